@@ -1,0 +1,130 @@
+//! What a program tells the machine, in order: absolute, mm, mm/min, s. Only `gcode` makes motions.
+
+use crate::geom::Point;
+use crate::units::{MmPerMin, Rpm, Seconds};
+
+/// The plane of an arc.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Plane {
+    /// G17.
+    Xy,
+    /// G18.
+    Zx,
+    /// G19.
+    Yz,
+}
+
+/// Rapid or feed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MotionKind {
+    /// G0: as fast as the machine goes, in a straight line.
+    Rapid,
+    /// G1, G2, G3: at the programmed feed.
+    Feed,
+}
+
+/// The curved part of a motion. The helix runs from `from` to `to` about `center` in `plane`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Arc {
+    /// Plane of the circle.
+    pub plane: Plane,
+    /// Centre, same coordinates as the motion; its out-of-plane coordinate is that of the start.
+    pub center: Point,
+    /// G2 (true) or G3, seen from the plane's positive normal.
+    pub clockwise: bool,
+    /// Signed total turn, rad: negative clockwise; a full circle is ±2π.
+    pub sweep: f64,
+}
+
+/// One motion of the control point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motion {
+    /// Rapid or feed.
+    pub kind: MotionKind,
+    /// Start, in the active work coordinate system, mm.
+    pub from: Point,
+    /// End, in the active work coordinate system, mm.
+    pub to: Point,
+    /// `None` for a straight line.
+    pub arc: Option<Arc>,
+    /// Programmed feed (meaningless for rapids): mm/min, or 1/min when `inverse_time`.
+    pub feed: MmPerMin,
+    /// G93: `feed` is the reciprocal of the minutes this motion takes.
+    pub inverse_time: bool,
+    /// The end point in machine coordinates was named by G53, G28 or G30 rather than by the work system.
+    pub machine_coordinates: bool,
+    /// Line of the program, from 1.
+    pub line: usize,
+}
+
+/// One thing a program makes the machine do.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Event {
+    /// Move.
+    Motion(Motion),
+    /// Stand still (G4).
+    Dwell {
+        /// How long.
+        time: Seconds,
+        /// Line of the program, from 1.
+        line: usize,
+    },
+    /// M3, M4, M5 or a new speed while turning.
+    Spindle {
+        /// 1 clockwise, -1 counter-clockwise, 0 stopped.
+        direction: i8,
+        /// Programmed speed.
+        speed: Rpm,
+        /// Line of the program, from 1.
+        line: usize,
+    },
+    /// M7, M8, M9.
+    Coolant {
+        /// Flood on.
+        flood: bool,
+        /// Mist on.
+        mist: bool,
+        /// Line of the program, from 1.
+        line: usize,
+    },
+    /// M6.
+    ToolChange {
+        /// Tool number.
+        tool: u32,
+        /// Line of the program, from 1.
+        line: usize,
+    },
+    /// M0 or M1.
+    Pause {
+        /// M1: only when the operator's switch is on.
+        optional: bool,
+        /// Line of the program, from 1.
+        line: usize,
+    },
+    /// Any other command that waits for standstill without moving (a change of work offset and the like).
+    Sync {
+        /// Line of the program, from 1.
+        line: usize,
+    },
+    /// M2 or M30.
+    End {
+        /// Line of the program, from 1.
+        line: usize,
+    },
+}
+
+impl Event {
+    /// Line of the program this event comes from, from 1.
+    pub fn line(&self) -> usize {
+        match *self {
+            Event::Motion(m) => m.line,
+            Event::Dwell { line, .. }
+            | Event::Spindle { line, .. }
+            | Event::Coolant { line, .. }
+            | Event::ToolChange { line, .. }
+            | Event::Pause { line, .. }
+            | Event::Sync { line }
+            | Event::End { line } => line,
+        }
+    }
+}
