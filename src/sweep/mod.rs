@@ -1,1 +1,11 @@
-//! To come.
+//! What a moving ball leaves standing, on a lattice of vertical lines: a word shared by `toolpath` (where to fill) and
+//! `simulate` (is it good).
+//!
+//! Crosses the border: [`Segment`]s of ball *centres* and a ball radius in, heights over a [`Lattice`] out; work coordinates,
+//! mm, +Z towards the spindle. Must never know how the segments were made: not passes, features, programs or machines.
+
+pub mod lattice;
+pub mod swept;
+
+pub use lattice::Lattice;
+pub use swept::{Segment, Swept};
