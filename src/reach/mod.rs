@@ -7,11 +7,13 @@
 //! ```
 //!
 //! Crosses the border: [`crate::part::Mesh`] in work coordinates (mm, +Z to the spindle) comes in; contacts and a
-//! `ToolCentreGrid` go out. Knows nothing of Morse functions or passes.
+//! [`ToolCentreGrid`] go out. Knows nothing of Morse functions or passes.
 
 mod bvh;
 pub mod contact;
 pub mod drop;
+pub mod grid;
 
 pub use contact::touch_height;
 pub use drop::{Contact, DropCutter, Hint};
+pub use grid::{Crossing, GridError, GridOptions, GridPlan, LINK, NodeKind, ToolCentreGrid};
