@@ -1,0 +1,149 @@
+//! Persistence: which critical points are noise.
+//!
+//! Flood the surface from below: each pit starts a lake, and where two lakes meet the shallower one ends. The depth at which it
+//! ends is its persistence, and the meeting place its partner. Peaks likewise, from above. Pairs of small persistence are
+//! cancelled. (H. Edelsbrunner, D. Letscher, A. Zomorodian, *Topological persistence and simplification*, 2002.)
+
+use super::critical::Scalar;
+use crate::reach::LINK;
+
+/// An extreme node and the node where it would be merged away.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pair {
+    /// The peak or pit.
+    pub extreme: usize,
+    /// Where it meets an older one; `None` for the last one of its connected piece.
+    pub merge: Option<usize>,
+    /// Height difference, mm; infinite without a partner.
+    pub persistence: f64,
+}
+
+/// All pits with their partners, by rising node number. O(n log n).
+pub fn pits(s: &Scalar) -> Vec<Pair> {
+    pairs(s, false)
+}
+
+/// All peaks with their partners, by rising node number. O(n log n).
+pub fn peaks(s: &Scalar) -> Vec<Pair> {
+    pairs(s, true)
+}
+
+const NOBODY: u32 = u32::MAX;
+
+fn pairs(s: &Scalar, from_above: bool) -> Vec<Pair> {
+    let n = s.value.len();
+    let mut order: Vec<u32> = (0..n as u32).filter(|&i| s.active[i as usize]).collect();
+    order.sort_unstable_by(|&a, &b| {
+        let o = s.value[a as usize]
+            .total_cmp(&s.value[b as usize])
+            .then(a.cmp(&b));
+        if from_above { o.reverse() } else { o }
+    });
+    let mut rank = vec![NOBODY; n];
+    for (k, &i) in order.iter().enumerate() {
+        rank[i as usize] = k as u32;
+    }
+    // Union-find; the root of a lake is the node it started from.
+    let mut parent = vec![NOBODY; n];
+    let find = |parent: &mut Vec<u32>, mut i: u32| {
+        while parent[i as usize] != i {
+            parent[i as usize] = parent[parent[i as usize] as usize];
+            i = parent[i as usize];
+        }
+        i
+    };
+    let mut out = Vec::new();
+    for &i in &order {
+        let node = i as usize;
+        let mut oldest = NOBODY;
+        parent[node] = i;
+        for d in LINK {
+            let Some(j) = s.neighbour(node, d) else {
+                continue;
+            };
+            if parent[j] == NOBODY {
+                continue; // not flooded yet
+            }
+            let root = find(&mut parent, j as u32);
+            if root == i || root == oldest {
+                continue;
+            }
+            if oldest == NOBODY {
+                oldest = root;
+                continue;
+            }
+            let (old, young) = if rank[oldest as usize] < rank[root as usize] {
+                (oldest, root)
+            } else {
+                (root, oldest)
+            };
+            out.push(Pair {
+                extreme: young as usize,
+                merge: Some(node),
+                persistence: (s.value[node] - s.value[young as usize]).abs(),
+            });
+            parent[young as usize] = old;
+            oldest = old;
+        }
+        if oldest != NOBODY {
+            parent[node] = oldest;
+        }
+    }
+    for &i in &order {
+        if parent[i as usize] == i {
+            out.push(Pair {
+                extreme: i as usize,
+                merge: None,
+                persistence: f64::INFINITY,
+            });
+        }
+    }
+    out.sort_by_key(|p| p.extreme);
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_lakes_meet_at_the_pass() {
+        // Heights along a row: pit 0 at the left, pit 1 in the middle, a pass of 3 between them.
+        let value = [0.0, 3.0, 1.0, 5.0];
+        let s = Scalar {
+            nx: 4,
+            value: &value,
+            active: &[true; 4],
+        };
+        assert_eq!(
+            pits(&s),
+            vec![
+                Pair {
+                    extreme: 0,
+                    merge: None,
+                    persistence: f64::INFINITY
+                },
+                Pair {
+                    extreme: 2,
+                    merge: Some(1),
+                    persistence: 2.0
+                }
+            ]
+        );
+        assert_eq!(
+            peaks(&s),
+            vec![
+                Pair {
+                    extreme: 1,
+                    merge: Some(2),
+                    persistence: 2.0
+                },
+                Pair {
+                    extreme: 3,
+                    merge: None,
+                    persistence: f64::INFINITY
+                }
+            ]
+        );
+    }
+}

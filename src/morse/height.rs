@@ -1,0 +1,200 @@
+//! The Morse function of stage one: the height of the ball's centre. The very thing the paper wants to keep calm is the
+//! vertical motion of the tool.
+
+use super::cancel::{peaks, pits};
+use super::critical::{CriticalKind, CriticalPoint, Link, Scalar, classify};
+use crate::geom::Point;
+use crate::reach::{NodeKind, ToolCentreGrid};
+use nalgebra::{SMatrix, SVector};
+
+/// What counts as a critical point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MorseOptions {
+    /// Pairs of critical points whose heights differ by less than this are noise, mm.
+    pub persistence_mm: f64,
+}
+
+/// The heights that the link rule is applied to: the ground, and one ring of nodes beyond its border that carry the height *on*
+/// the border.
+///
+/// Without that ring the border would be the staircase of the grid, and each step of it a false pit on a slope.
+#[derive(Clone, Debug)]
+pub struct HeightField {
+    /// Height per node, mm.
+    pub value: Vec<f64>,
+    /// Ground and the ring beyond it.
+    pub active: Vec<bool>,
+}
+
+impl HeightField {
+    /// Reads the field off the grid.
+    pub fn new(grid: &ToolCentreGrid) -> HeightField {
+        let mut value = grid.center_z.clone();
+        let mut active: Vec<bool> = grid.kind.iter().map(|k| *k == NodeKind::Ground).collect();
+        let mut nearest: Vec<f64> = vec![f64::INFINITY; grid.len()];
+        for c in &grid.crossings {
+            let o = c.outside as usize;
+            let q = grid.xy(o);
+            let d = (c.contact.center.x - q.x).hypot(c.contact.center.y - q.y);
+            active[o] = true;
+            if d < nearest[o] {
+                nearest[o] = d;
+                value[o] = c.contact.center.z;
+            }
+        }
+        HeightField { value, active }
+    }
+}
+
+/// Critical points of the centre height: peaks by falling height, pits by rising height, saddles by falling height.
+/// A saddle of several arms is listed once per arm too many.
+pub fn critical_points(grid: &ToolCentreGrid, options: &MorseOptions) -> Vec<CriticalPoint> {
+    let field = HeightField::new(grid);
+    let s = Scalar {
+        nx: grid.nx,
+        value: &field.value,
+        active: &field.active,
+    };
+    let limit = options.persistence_mm;
+    let mut out: Vec<CriticalPoint> = Vec::new();
+    // How many arms of each saddle node are noise, and the smallest persistence of the pairs that stay.
+    let mut cancelled = vec![0u32; grid.len()];
+    let mut smallest = vec![f64::INFINITY; grid.len()];
+    for (kind, pairs) in [
+        (CriticalKind::Maximum, peaks(&s)),
+        (CriticalKind::Minimum, pits(&s)),
+    ] {
+        for p in pairs {
+            if p.persistence < limit {
+                if let Some(m) = p.merge {
+                    cancelled[m] += 1;
+                }
+                continue;
+            }
+            if let Some(m) = p.merge {
+                smallest[m] = smallest[m].min(p.persistence);
+            }
+            let (link, boundary) = classify(&s, p.extreme);
+            if link == Link::Regular {
+                continue;
+            }
+            out.push(refined(grid, kind, p.extreme, boundary, p.persistence));
+        }
+    }
+    for node in 0..grid.len() {
+        if !field.active[node] {
+            continue;
+        }
+        if let (Link::Saddle(arms), _) = classify(&s, node) {
+            for _ in cancelled[node].min(arms)..arms {
+                out.push(refined(
+                    grid,
+                    CriticalKind::Saddle,
+                    node,
+                    false,
+                    smallest[node],
+                ));
+            }
+        }
+    }
+    out.sort_by(|a, b| {
+        let rise = if a.kind == CriticalKind::Minimum {
+            1.0
+        } else {
+            -1.0
+        };
+        a.kind
+            .cmp(&b.kind)
+            .then((rise * a.center.z).total_cmp(&(rise * b.center.z)))
+            .then(a.node.cmp(&b.node))
+    });
+    out
+}
+
+/// Half width, in steps, of the window a quadratic is fitted over: wide enough to see past the facets of the mesh.
+const WINDOW: i32 = 4;
+
+/// Places a critical node below the grid's step: inside by a least-squares quadratic of the heights round about, on the border
+/// by the best of the border crossings nearby.
+fn refined(
+    grid: &ToolCentreGrid,
+    kind: CriticalKind,
+    node: usize,
+    boundary: bool,
+    persistence: f64,
+) -> CriticalPoint {
+    let (center, contact) = if boundary {
+        on_border(grid, kind, node)
+    } else {
+        inside(grid, node)
+    };
+    CriticalPoint {
+        kind,
+        node,
+        boundary,
+        center,
+        contact,
+        persistence,
+    }
+}
+
+fn inside(grid: &ToolCentreGrid, node: usize) -> (Point, Point) {
+    let here = grid.center(node);
+    let plain = (here, grid.point[node]);
+    let mut ata = SMatrix::<f64, 6, 6>::zeros();
+    let mut atb = SVector::<f64, 6>::zeros();
+    let w = WINDOW as f64;
+    for dy in -WINDOW..=WINDOW {
+        for dx in -WINDOW..=WINDOW {
+            let Some(j) = grid.neighbour(node, (dx, dy)) else {
+                return plain;
+            };
+            if grid.kind[j] != NodeKind::Ground {
+                return plain;
+            }
+            let (u, v) = (dx as f64 / w, dy as f64 / w);
+            let row = SVector::<f64, 6>::from([1.0, u, v, u * u, u * v, v * v]);
+            ata += row * row.transpose();
+            atb += row * (grid.center_z[j] - here.z);
+        }
+    }
+    let Some(q) = ata.cholesky().map(|c| c.solve(&atb)) else {
+        return plain;
+    };
+    let det = 4.0 * q[3] * q[5] - q[4] * q[4];
+    if det.abs() < 1e-18 {
+        return plain;
+    }
+    let u = (-2.0 * q[5] * q[1] + q[4] * q[2]) / det;
+    let v = (-2.0 * q[3] * q[2] + q[4] * q[1]) / det;
+    if !(u.abs() <= 0.75 && v.abs() <= 0.75) {
+        return plain; // the fit sees another place than the link does
+    }
+    let rise = q[0] + q[1] * u + q[2] * v + q[3] * u * u + q[4] * u * v + q[5] * v * v;
+    let scale = w * grid.step;
+    let c = Point::new(here.x + u * scale, here.y + v * scale, here.z + rise);
+    // Level ground: the ball stands right above the point it touches.
+    (c, Point::new(c.x, c.y, c.z - grid.radius))
+}
+
+fn on_border(grid: &ToolCentreGrid, kind: CriticalKind, node: usize) -> (Point, Point) {
+    let q = grid.xy(node);
+    let near = 2.5 * grid.step;
+    let best = grid
+        .crossings
+        .iter()
+        .filter(|c| (c.contact.center.x - q.x).hypot(c.contact.center.y - q.y) <= near)
+        .reduce(|a, b| {
+            let (za, zb) = (a.contact.center.z, b.contact.center.z);
+            let better = if kind == CriticalKind::Maximum {
+                zb > za
+            } else {
+                zb < za
+            };
+            if better { b } else { a }
+        });
+    match best {
+        Some(c) => (c.contact.center, c.contact.point),
+        None => (grid.center(node), grid.point[node]),
+    }
+}

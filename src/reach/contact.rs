@@ -1,0 +1,175 @@
+//! A ball lowered onto one triangle: facet, edges and vertices.
+//!
+//! All of it is closed form. With the ball's axis at (x, y) and its radius R:
+//!
+//! ```text
+//! vertex v   d = |xy - v.xy|           centre z = v.z + sqrt(R^2 - d^2)
+//! edge       d = distance of xy to the edge's line in plan, r = sqrt(R^2 - d^2) the radius of the ball's
+//!            cut by the edge's vertical plane; a circle of radius r resting on a line of slope m has its
+//!            centre r sqrt(1 + m^2) above the line and touches r m / sqrt(1 + m^2) uphill of its axis
+//! facet      the contact is c - R n, so it lies at xy - R n.xy in plan whatever the height
+//! ```
+//!
+//! Classical drop cutter algebra; see e.g. H.-T. Yau et al., *Numerical control machining simulation*, IJPR 2004, for the split
+//! into facet, edge and vertex contact.
+
+use crate::geom::{Point, Vector};
+
+/// Height of the ball's centre when lowered along (x, y) onto one triangle, and the point it touches. `None` when the ball
+/// passes the triangle by. A triangle without area still has edges and vertices.
+pub fn touch(t: &[Point; 3], radius: f64, x: f64, y: f64) -> Option<(f64, Point)> {
+    let mut best: Option<(f64, Point)> = None;
+    let mut offer = |z: f64, p: Point| {
+        if best.is_none_or(|(b, _)| z > b) {
+            best = Some((z, p));
+        }
+    };
+    if let Some((z, p)) = touch_facet(t, radius, x, y) {
+        // A ball that touches the inside of a facet cannot be held higher by the same facet's rim.
+        return Some((z, p));
+    }
+    let r2 = radius * radius;
+    for i in 0..3 {
+        let (a, b) = (&t[i], &t[(i + 1) % 3]);
+        let (dx, dy) = (x - a.x, y - a.y);
+        let d2 = dx * dx + dy * dy;
+        if d2 <= r2 {
+            offer(a.z + (r2 - d2).sqrt(), *a);
+        }
+        let (ex, ey, ez) = (b.x - a.x, b.y - a.y, b.z - a.z);
+        let len2 = ex * ex + ey * ey;
+        if len2 <= 0.0 {
+            continue; // upright or a point: its ends hold the ball
+        }
+        let cross = dx * ey - dy * ex;
+        let d2 = cross * cross / len2;
+        if d2 > r2 {
+            continue;
+        }
+        let len = len2.sqrt();
+        let m = ez / len;
+        let slant = (1.0 + m * m).sqrt();
+        let r = (r2 - d2).sqrt();
+        let foot = (dx * ex + dy * ey) / len;
+        let s = foot + r * m / slant;
+        if s < 0.0 || s > len {
+            continue;
+        }
+        let f = s / len;
+        offer(
+            a.z + m * foot + r * slant,
+            Point::new(a.x + ex * f, a.y + ey * f, a.z + ez * f),
+        );
+    }
+    best
+}
+
+/// As [`touch`], the height alone.
+#[inline]
+pub fn touch_height(t: &[Point; 3], radius: f64, x: f64, y: f64) -> Option<f64> {
+    touch(t, radius, x, y).map(|(z, _)| z)
+}
+
+fn touch_facet(t: &[Point; 3], radius: f64, x: f64, y: f64) -> Option<(f64, Point)> {
+    let mut n = (t[1] - t[0]).cross(&(t[2] - t[0]));
+    if n.z < 0.0 {
+        n = -n;
+    }
+    let len = n.norm();
+    // Upright or without area: its edges do the work.
+    if n.z <= 1e-12 * len || len <= 0.0 {
+        return None;
+    }
+    let n: Vector = n / len;
+    let (px, py) = (x - radius * n.x, y - radius * n.y);
+    if !inside_in_plan(t, px, py) {
+        return None;
+    }
+    let z = t[0].z - ((px - t[0].x) * n.x + (py - t[0].y) * n.y) / n.z;
+    Some((z + radius * n.z, Point::new(px, py, z)))
+}
+
+/// True when (x, y) lies in the triangle's shadow on the table, rim included. False for upright triangles.
+#[inline]
+pub fn inside_in_plan(t: &[Point; 3], x: f64, y: f64) -> bool {
+    let side = |a: &Point, b: &Point| (b.x - a.x) * (y - a.y) - (b.y - a.y) * (x - a.x);
+    let (u, v, w) = (side(&t[0], &t[1]), side(&t[1], &t[2]), side(&t[2], &t[0]));
+    let area = u + v + w;
+    if area == 0.0 {
+        return false;
+    }
+    (u >= 0.0 && v >= 0.0 && w >= 0.0) || (u <= 0.0 && v <= 0.0 && w <= 0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use proptest::prelude::*;
+
+    /// Distance from a point to a triangle, by brute algebra of its own: projection on the plane, else on the edges.
+    pub fn distance(t: &[Point; 3], c: &Point) -> f64 {
+        let on_segment = |a: &Point, b: &Point| {
+            let e = b - a;
+            let l = e.norm_squared();
+            let s = if l > 0.0 {
+                ((c - a).dot(&e) / l).clamp(0.0, 1.0)
+            } else {
+                0.0
+            };
+            (c - (a + e * s)).norm()
+        };
+        let mut d = on_segment(&t[0], &t[1])
+            .min(on_segment(&t[1], &t[2]))
+            .min(on_segment(&t[2], &t[0]));
+        let n = (t[1] - t[0]).cross(&(t[2] - t[0]));
+        if n.norm() > 1e-12 {
+            let n = n.normalize();
+            let h = (c - t[0]).dot(&n);
+            let q = c - n * h;
+            let inside = (0..3).all(|i| (t[(i + 1) % 3] - t[i]).cross(&(q - t[i])).dot(&n) >= 0.0);
+            if inside {
+                d = d.min(h.abs());
+            }
+        }
+        d
+    }
+
+    fn coordinate() -> impl Strategy<Value = f64> {
+        -5.0..5.0f64
+    }
+
+    fn triangle() -> impl Strategy<Value = [Point; 3]> {
+        proptest::array::uniform9(coordinate()).prop_map(|v| {
+            [
+                Point::new(v[0], v[1], v[2]),
+                Point::new(v[3], v[4], v[5]),
+                Point::new(v[6], v[7], v[8]),
+            ]
+        })
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 2000, failure_persistence: None, ..ProptestConfig::default() })]
+
+        /// The ball rests: it touches the triangle, the contact is at R, and any lower it would enter it.
+        #[test]
+        fn the_ball_rests_on_the_triangle(t in triangle(), x in coordinate(), y in coordinate(), r in 0.3..4.0f64) {
+            if let Some((z, p)) = touch(&t, r, x, y) {
+                let c = Point::new(x, y, z);
+                prop_assert!((distance(&t, &c) - r).abs() < 1e-7);
+                prop_assert!(((p - c).norm() - r).abs() < 1e-7);
+                prop_assert!(distance(&t, &p) < 1e-7);
+                prop_assert!(p.z <= z + 1e-9, "touched from above");
+                for k in 1..40 {
+                    let above = Point::new(x, y, z + 0.25 * k as f64);
+                    prop_assert!(distance(&t, &above) > r - 1e-7, "free above");
+                }
+            } else {
+                for k in -60..60 {
+                    prop_assert!(distance(&t, &Point::new(x, y, 0.25 * k as f64)) > r - 1e-7);
+                }
+            }
+        }
+    }
+}
