@@ -5,7 +5,9 @@
 //! mm, +Z towards the spindle. Must never know how the segments were made: not passes, features, programs or machines.
 
 pub mod lattice;
+pub mod reachable;
 pub mod swept;
 
 pub use lattice::Lattice;
+pub use reachable::{Reachable, reachable, reachable_bytes};
 pub use swept::{Segment, Swept};

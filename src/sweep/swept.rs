@@ -614,7 +614,7 @@ mod tests {
     }
 
     proptest! {
-        #![proptest_config(ProptestConfig::with_cases(60))]
+        #![proptest_config(ProptestConfig { cases: 60, failure_persistence: None, ..ProptestConfig::default() })]
         #[test]
         fn chains_equal_the_searched_envelope(points in prop::collection::vec(point(), 2..6), r in 0.3..2.5f64) {
             let s: Vec<Segment> = points.windows(2).map(|w| Segment { from: w[0], to: w[1] }).collect();
