@@ -41,7 +41,7 @@ pub fn link(
     let mut path = Toolpath { safe_z: options.safe_center_z - cutter.radius(), ..Toolpath::default() };
     let mut at: Option<Point> = None;
     let mut feature: Option<Option<usize>> = None;
-    let mut go = |moves: &mut Vec<Move>, kind: MoveKind, c: Point| moves.push(Move { kind, to: c + down });
+    let go = |moves: &mut Vec<Move>, kind: MoveKind, c: Point| moves.push(Move { kind, to: c + down });
     for pass in ordered {
         let run = pass.run();
         let Some(&start) = run.first() else { continue };

@@ -14,6 +14,7 @@ pub mod link;
 pub mod moves;
 pub mod order;
 pub mod pass;
+mod skeleton;
 
 pub use fit::FitOptions;
 pub use link::LinkOptions;
