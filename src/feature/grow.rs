@@ -63,7 +63,10 @@ pub fn grow(
         metric,
         options,
         free: vec![FAR; grid.len()],
-        regions: Regions { features: Vec::new(), label: vec![0; grid.len()] },
+        regions: Regions {
+            features: Vec::new(),
+            label: vec![0; grid.len()],
+        },
         value: vec![f64::INFINITY; grid.len()],
     };
     let mut saddle_at: Vec<(usize, usize)> = critical
@@ -113,16 +116,43 @@ pub fn grow(
 
 impl Ground<'_> {
     /// Distance from a node over ground not yet taken (and one node into what is), into `value`. Returns the nodes reached.
-    pub fn march_from(&mut self, seed: usize, settle: &mut dyn FnMut(usize, f64) -> bool) -> Vec<u32> {
+    pub fn march_from(
+        &mut self,
+        seed: usize,
+        settle: &mut dyn FnMut(usize, f64) -> bool,
+    ) -> Vec<u32> {
         let free = &self.free;
-        let access = |node: usize| if free[node] >= 0.0 { Access::Open } else { Access::Dead };
-        match self.options.ruler {
-            Ruler::Isoplanar(across) => {
-                planes(self.grid, self.metric, seed, &across, &access, &mut self.value, settle)
+        let access = |node: usize| {
+            if free[node] >= 0.0 {
+                Access::Open
+            } else {
+                Access::Dead
             }
+        };
+        match self.options.ruler {
+            Ruler::Isoplanar(across) => planes(
+                self.grid,
+                self.metric,
+                seed,
+                &across,
+                &access,
+                &mut self.value,
+                settle,
+            ),
             _ => {
-                let how = MarchOptions { front: Front::Round, near_steps: 3 };
-                march(self.grid, self.metric, &[(seed, 0.0)], &access, &how, &mut self.value, settle)
+                let how = MarchOptions {
+                    front: Front::Round,
+                    near_steps: 3,
+                };
+                march(
+                    self.grid,
+                    self.metric,
+                    &[(seed, 0.0)],
+                    &access,
+                    &how,
+                    &mut self.value,
+                    settle,
+                )
             }
         }
     }
@@ -149,7 +179,10 @@ impl Ground<'_> {
             .filter(|&n| self.free[n as usize] >= 0.0 && self.value[n as usize] <= rim)
             .collect();
         let scale = self.scale(&own);
-        let top = own.iter().map(|&n| self.value[n as usize]).fold(0.0, f64::max);
+        let top = own
+            .iter()
+            .map(|&n| self.value[n as usize])
+            .fold(0.0, f64::max);
         // In passes of this ruler from here on.
         let rim = if rim.is_finite() { rim } else { top } * scale;
         let rim_is_cut = saddle.is_some();
@@ -170,7 +203,11 @@ impl Ground<'_> {
         for &n in touched {
             let i = n as usize;
             // A part without a saddle left takes all it reached: nothing of it stays free.
-            let past = if rim_is_cut { self.value[i] - rim } else { -1.0 };
+            let past = if rim_is_cut {
+                self.value[i] - rim
+            } else {
+                -1.0
+            };
             self.free[i] = self.free[i].min(past);
         }
         self.regions.features.push(Feature {
@@ -206,16 +243,27 @@ impl Ground<'_> {
                 if g.kind[i] != NodeKind::Ground {
                     return None;
                 }
-                let v = |d| g.neighbour(i, d).map(|j| self.value[j]).filter(|v| v.is_finite());
+                let v = |d| {
+                    g.neighbour(i, d)
+                        .map(|j| self.value[j])
+                        .filter(|v| v.is_finite())
+                };
                 let grad = match self.options.ruler {
                     Ruler::Isoplanar(u) => {
-                        u / (self.metric.tensor[i][0] + self.metric.tensor[i][2]).sqrt().recip()
+                        u / (self.metric.tensor[i][0] + self.metric.tensor[i][2])
+                            .sqrt()
+                            .recip()
                     }
-                    _ => Vector2::new(v((1, 0))? - v((-1, 0))?, v((0, 1))? - v((0, -1))?) / (2.0 * g.step),
+                    _ => {
+                        Vector2::new(v((1, 0))? - v((-1, 0))?, v((0, 1))? - v((0, -1))?)
+                            / (2.0 * g.step)
+                    }
                 };
                 let m = &self.cusp.tensor[i];
                 let det = m[0] * m[2] - m[1] * m[1];
-                let dual = (m[2] * grad.x * grad.x - 2.0 * m[1] * grad.x * grad.y + m[0] * grad.y * grad.y) / det;
+                let dual = (m[2] * grad.x * grad.x - 2.0 * m[1] * grad.x * grad.y
+                    + m[0] * grad.y * grad.y)
+                    / det;
                 (dual > 1e-6 && dual.is_finite()).then(|| 1.0 / dual)
             })
             .collect();
@@ -223,7 +271,8 @@ impl Ground<'_> {
             return 1.0;
         }
         ratio.sort_unstable_by(f64::total_cmp);
-        let k = ((ratio.len() as f64 * (1.0 - self.options.over_share)) as usize).min(ratio.len() - 1);
+        let k =
+            ((ratio.len() as f64 * (1.0 - self.options.over_share)) as usize).min(ratio.len() - 1);
         ratio[k].sqrt()
     }
 }
@@ -237,7 +286,10 @@ fn levels(rim: f64, rim_is_cut: bool) -> Vec<f64> {
         (0..=n as usize).map(|k| (k as f64 + 0.5) * gap).collect()
     } else {
         let n = (rim + 0.5).ceil() as usize;
-        (0..n).map(|k| k as f64 + 0.5).filter(|&l| l < rim).collect()
+        (0..n)
+            .map(|k| k as f64 + 0.5)
+            .filter(|&l| l < rim)
+            .collect()
     }
 }
 
@@ -292,7 +344,10 @@ mod tests {
         for rim in [0.2, 0.5, 0.51, 1.0, 3.7, 40.0] {
             let l = levels(rim, true);
             assert!((l[l.len() - 1] - rim).abs() < 1e-12);
-            assert!(l[0] <= 0.5 + 1e-12 && l.windows(2).all(|w| w[1] - w[0] <= 1.0 + 1e-12), "{l:?}");
+            assert!(
+                l[0] <= 0.5 + 1e-12 && l.windows(2).all(|w| w[1] - w[0] <= 1.0 + 1e-12),
+                "{l:?}"
+            );
         }
         assert_eq!(levels(2.4, false), vec![0.5, 1.5]);
     }

@@ -12,7 +12,10 @@ const STRIP: f64 = 4.0;
 
 pub(super) fn leftovers(g: &mut Ground) {
     for piece in pieces(g) {
-        let width = piece.iter().map(|&n| g.free[n as usize]).fold(0.0, f64::max);
+        let width = piece
+            .iter()
+            .map(|&n| g.free[n as usize])
+            .fold(0.0, f64::max);
         if width <= SLIVER {
             join(g, &piece);
         } else if width <= STRIP.min(FAR - 1.0) {
@@ -25,7 +28,9 @@ pub(super) fn leftovers(g: &mut Ground) {
 
 /// Connected pieces of ground not taken, each by rising node, in order of their first node.
 fn pieces(g: &Ground) -> Vec<Vec<u32>> {
-    let open = |n: usize, g: &Ground| g.grid.kind[n] == NodeKind::Ground && g.free[n] >= 0.0 && g.regions.label[n] == 0;
+    let open = |n: usize, g: &Ground| {
+        g.grid.kind[n] == NodeKind::Ground && g.free[n] >= 0.0 && g.regions.label[n] == 0
+    };
     let mut seen = vec![false; g.grid.len()];
     let mut out = Vec::new();
     for i in 0..g.grid.len() {

@@ -56,7 +56,11 @@ impl Window {
             }
         }
         if nodes.is_empty() {
-            return Window { first: [0, 0], size: [0, 0], value: Vec::new() };
+            return Window {
+                first: [0, 0],
+                size: [0, 0],
+                value: Vec::new(),
+            };
         }
         let size = [hi[0] - lo[0] + 1, hi[1] - lo[1] + 1];
         let mut value = vec![f64::INFINITY; size[0] * size[1]];
@@ -64,14 +68,22 @@ impl Window {
             let (x, y) = (n as usize % grid.nx, n as usize / grid.nx);
             value[(y - lo[1]) * size[0] + x - lo[0]] = of[n as usize];
         }
-        Window { first: lo, size, value }
+        Window {
+            first: lo,
+            size,
+            value,
+        }
     }
 
     /// The value at a node of the whole grid; +inf outside the window.
     #[inline]
     pub fn at(&self, grid: &ToolCentreGrid, node: usize) -> f64 {
         let (x, y) = (node % grid.nx, node / grid.nx);
-        if x < self.first[0] || y < self.first[1] || x >= self.first[0] + self.size[0] || y >= self.first[1] + self.size[1] {
+        if x < self.first[0]
+            || y < self.first[1]
+            || x >= self.first[0] + self.size[0]
+            || y >= self.first[1] + self.size[1]
+        {
             return f64::INFINITY;
         }
         self.value[(y - self.first[1]) * self.size[0] + x - self.first[0]]

@@ -55,7 +55,11 @@ struct Piece {
 
 /// Curves of `value` at rising `levels`. Triangles with a corner without a finite value are left out. Ordered by level, then by their
 /// first edge.
-pub fn level_curves(grid: &ToolCentreGrid, value: &(dyn Fn(usize) -> f64 + Sync), levels: &[f64]) -> Vec<LevelCurve> {
+pub fn level_curves(
+    grid: &ToolCentreGrid,
+    value: &(dyn Fn(usize) -> f64 + Sync),
+    levels: &[f64],
+) -> Vec<LevelCurve> {
     if levels.is_empty() || grid.ny < 2 {
         return Vec::new();
     }
@@ -94,7 +98,10 @@ pub fn level_curves(grid: &ToolCentreGrid, value: &(dyn Fn(usize) -> f64 + Sync)
                         } else {
                             2
                         };
-                        row.push(Piece { level: k as u32, ends: [sides[(alone + 1) % 3], sides[(alone + 2) % 3]] });
+                        row.push(Piece {
+                            level: k as u32,
+                            ends: [sides[(alone + 1) % 3], sides[(alone + 2) % 3]],
+                        });
                     }
                 }
             }
@@ -112,12 +119,18 @@ fn join(
     pieces: &[Piece],
 ) -> Vec<LevelCurve> {
     // Each (level, edge) belongs to one piece at a border, to two elsewhere.
-    let mut ends: Vec<(u32, u64, u32)> =
-        pieces.iter().enumerate().flat_map(|(i, p)| p.ends.map(|e| (p.level, e, i as u32))).collect();
+    let mut ends: Vec<(u32, u64, u32)> = pieces
+        .iter()
+        .enumerate()
+        .flat_map(|(i, p)| p.ends.map(|e| (p.level, e, i as u32)))
+        .collect();
     ends.sort_unstable();
     let at = |level: u32, edge: u64| {
         let from = ends.partition_point(|&(l, e, _)| (l, e) < (level, edge));
-        ends[from..].iter().take_while(move |&&(l, e, _)| (l, e) == (level, edge)).map(|&(_, _, i)| i)
+        ends[from..]
+            .iter()
+            .take_while(move |&&(l, e, _)| (l, e) == (level, edge))
+            .map(|&(_, _, i)| i)
     };
     let mut used = vec![false; pieces.len()];
     let mut curves = Vec::new();
@@ -129,7 +142,11 @@ fn join(
         loop {
             used[piece] = true;
             let p = &pieces[piece];
-            end = if p.ends[0] == end { p.ends[1] } else { p.ends[0] };
+            end = if p.ends[0] == end {
+                p.ends[1]
+            } else {
+                p.ends[0]
+            };
             if closed && end == from {
                 break;
             }
@@ -146,10 +163,18 @@ fn join(
                 let a = (e / 3) as usize;
                 let b = a + [1, grid.nx + 1, grid.nx][(e % 3) as usize];
                 let (va, vb) = (value(a), value(b));
-                EdgePoint { a: a as u32, b: b as u32, t: ((c - va) / (vb - va)).clamp(0.0, 1.0) }
+                EdgePoint {
+                    a: a as u32,
+                    b: b as u32,
+                    t: ((c - va) / (vb - va)).clamp(0.0, 1.0),
+                }
             })
             .collect();
-        curves.push(LevelCurve { level: level as usize, at: points, closed });
+        curves.push(LevelCurve {
+            level: level as usize,
+            at: points,
+            closed,
+        });
     };
     for i in 0..pieces.len() {
         for e in pieces[i].ends {

@@ -75,7 +75,16 @@ impl PartialOrd for Item {
 }
 
 /// The eight neighbours, counter-clockwise: each consecutive pair forms a triangle with the node.
-const RING: [(i32, i32); 8] = [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1)];
+const RING: [(i32, i32); 8] = [
+    (1, 0),
+    (1, 1),
+    (0, 1),
+    (-1, 1),
+    (-1, 0),
+    (-1, -1),
+    (0, -1),
+    (1, -1),
+];
 
 /// Marches from `seeds` (node, value) over the nodes that `access` opens, writing into `value` (which must come in as +inf
 /// wherever the march may go). `on_settle` sees nodes in the order they are settled (a node may come again with a slightly smaller
@@ -96,7 +105,10 @@ pub fn march(
             touched.push(node as u32);
         }
         value[node] = v;
-        heap.push(Item { value: v, node: node as u32 });
+        heap.push(Item {
+            value: v,
+            node: node as u32,
+        });
     };
     for &(seed, v) in seeds {
         if !metric.is_set(seed) {
@@ -138,17 +150,22 @@ pub fn march(
             continue;
         }
         for (k, &d) in RING.iter().enumerate() {
-            let Some(x) = grid.neighbour(node, d) else { continue };
+            let Some(x) = grid.neighbour(node, d) else {
+                continue;
+            };
             if value[x] <= v || !metric.is_set(x) || access(x) == Access::Closed {
                 continue;
             }
             // The node is in direction `back` of x; its partners are the neighbours of x on either side of it.
             let back = (k + 4) % 8;
             let a = Vector2::new(-d.0 as f64, -d.1 as f64) * grid.step;
-            let mut best = v + length_sq(&mean2(&metric.tensor[x], &metric.tensor[node]), &a).sqrt();
+            let mut best =
+                v + length_sq(&mean2(&metric.tensor[x], &metric.tensor[node]), &a).sqrt();
             for turn in [1, 7] {
                 let e = RING[(back + turn) % 8];
-                let Some(j) = grid.neighbour(x, e) else { continue };
+                let Some(j) = grid.neighbour(x, e) else {
+                    continue;
+                };
                 if value[j] == f64::INFINITY || access(j) != Access::Open {
                     continue;
                 }
@@ -197,12 +214,20 @@ fn straight(
 }
 
 fn mean2(a: &Tensor, b: &Tensor) -> Tensor {
-    [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1]), 0.5 * (a[2] + b[2])]
+    [
+        0.5 * (a[0] + b[0]),
+        0.5 * (a[1] + b[1]),
+        0.5 * (a[2] + b[2]),
+    ]
 }
 
 fn mean3(a: &Tensor, b: &Tensor, c: &Tensor) -> Tensor {
     let t = 1.0 / 3.0;
-    [(a[0] + b[0] + c[0]) * t, (a[1] + b[1] + c[1]) * t, (a[2] + b[2] + c[2]) * t]
+    [
+        (a[0] + b[0] + c[0]) * t,
+        (a[1] + b[1] + c[1]) * t,
+        (a[2] + b[2] + c[2]) * t,
+    ]
 }
 
 /// Value at the origin of a triangle whose other corners a, b (seen from it) have the values va, vb; `None` when the front does not

@@ -62,9 +62,10 @@ impl Metric {
                 (NodeKind::Ground, Ruler::Isoplanar(d)) => {
                     [d.x * d.x / unit, d.x * d.y / unit, d.y * d.y / unit]
                 }
-                (NodeKind::Ground, _) => {
-                    at_least(fitted(grid, i, reach, ruler == Ruler::IsoPickFeed, unit), floor)
-                }
+                (NodeKind::Ground, _) => at_least(
+                    fitted(grid, i, reach, ruler == Ruler::IsoPickFeed, unit),
+                    floor,
+                ),
                 _ => [f64::NAN; 3],
             })
             .collect();
@@ -107,12 +108,19 @@ impl Metric {
 
 /// Least-squares tensor of the steps across a node in four directions.
 fn fitted(grid: &ToolCentreGrid, node: usize, reach: i32, pick_feed: bool, unit: f64) -> Tensor {
-    let ground = |d: (i32, i32)| grid.neighbour(node, d).filter(|&j| grid.kind[j] == NodeKind::Ground);
+    let ground = |d: (i32, i32)| {
+        grid.neighbour(node, d)
+            .filter(|&j| grid.kind[j] == NodeKind::Ground)
+    };
     // Squared length per squared mm of plan, along x, y and the two diagonals; NaN where there is no ground to measure on.
     let along = |dx: i32, dy: i32| -> f64 {
         for k in (1..=reach).rev() {
             // Diagonal steps are sqrt(2) longer: shorten them to about the same reach.
-            let k = if dx * dy == 0 { k } else { ((k as f64 * 0.75).round() as i32).max(1) };
+            let k = if dx * dy == 0 {
+                k
+            } else {
+                ((k as f64 * 0.75).round() as i32).max(1)
+            };
             let (a, b) = (ground((-k * dx, -k * dy)), ground((k * dx, k * dy)));
             let (a, b) = match (a, b) {
                 (Some(a), Some(b)) => (a, b),
@@ -160,4 +168,3 @@ fn at_least(m: Tensor, floor: f64) -> Tensor {
     let (mean, e) = (0.5 * (hi + lo), 0.5 * (hi - lo));
     [mean + e * c, e * s, mean - e * c]
 }
-

@@ -86,7 +86,12 @@ pub fn fill(
                             .map(|n| regions.label[n])
                             .filter(|l| *l > 0)
                             .map(|l| l as usize - 1);
-                        Pass { kind: PassKind::Fill, feature, points, closed }
+                        Pass {
+                            kind: PassKind::Fill,
+                            feature,
+                            points,
+                            closed,
+                        }
                     })
                     .collect()
             })
@@ -108,8 +113,14 @@ fn segments(passes: &[Pass]) -> Vec<Segment> {
     for p in passes {
         let run = p.run();
         match run.as_slice() {
-            [one] => out.push(Segment { from: *one, to: *one }),
-            many => out.extend(many.windows(2).map(|w| Segment { from: w[0], to: w[1] })),
+            [one] => out.push(Segment {
+                from: *one,
+                to: *one,
+            }),
+            many => out.extend(many.windows(2).map(|w| Segment {
+                from: w[0],
+                to: w[1],
+            })),
         }
     }
     out
@@ -120,11 +131,22 @@ fn standing(reach: &Reachable, swept: &Swept, options: &FillOptions) -> (Vec<(i6
     let lattice = &reach.lattice;
     let (nx, ny) = (lattice.nx, lattice.ny);
     let cusp = |i: usize| -> f64 {
-        let judged = reach.part_z[i].is_finite() && reach.by[i] != u32::MAX && reach.normal_z[i] > UPRIGHT;
-        if judged { (swept.z[i] - reach.reach_z[i]) * f64::from(reach.normal_z[i]) } else { f64::NEG_INFINITY }
+        let judged =
+            reach.part_z[i].is_finite() && reach.by[i] != u32::MAX && reach.normal_z[i] > UPRIGHT;
+        if judged {
+            (swept.z[i] - reach.reach_z[i]) * f64::from(reach.normal_z[i])
+        } else {
+            f64::NEG_INFINITY
+        }
     };
-    let (start, keep) = (options.start * options.scallop, options.keep * options.scallop);
-    let seeds: Vec<usize> = (0..lattice.len()).into_par_iter().filter(|&i| cusp(i) > start).collect();
+    let (start, keep) = (
+        options.start * options.scallop,
+        options.keep * options.scallop,
+    );
+    let seeds: Vec<usize> = (0..lattice.len())
+        .into_par_iter()
+        .filter(|&i| cusp(i) > start)
+        .collect();
     // A crest is followed about one stepover past the place that stands over.
     let stepover = (8.0 * options.scallop * reach.radius).sqrt();
     let far = (0.75 * stepover / lattice.step).ceil() as i64;
@@ -142,7 +164,11 @@ fn standing(reach: &Reachable, swept: &Swept, options: &FillOptions) -> (Vec<(i6
             near[yy as usize * nx + lo..=yy as usize * nx + hi].fill(true);
         }
     }
-    let mask: Vec<bool> = near.par_iter().enumerate().map(|(i, n)| *n && cusp(i) > keep).collect();
+    let mask: Vec<bool> = near
+        .par_iter()
+        .enumerate()
+        .map(|(i, n)| *n && cusp(i) > keep)
+        .collect();
     // Only what hangs together with a place that stands over.
     let mut seen = vec![false; lattice.len()];
     let mut queue = seeds.clone();
@@ -166,6 +192,9 @@ fn standing(reach: &Reachable, swept: &Swept, options: &FillOptions) -> (Vec<(i6
         }
     }
     queue.sort_unstable();
-    let cells = queue.into_iter().map(|i| ((i % nx) as i64, (i / nx) as i64)).collect();
+    let cells = queue
+        .into_iter()
+        .map(|i| ((i % nx) as i64, (i / nx) as i64))
+        .collect();
     (cells, seeds.len())
 }

@@ -59,7 +59,10 @@ pub fn rest(cutter: &DropCutter, x: f64, y: f64, hint: &mut Hint) -> Option<Rest
     let n = c.center - c.point;
     let l = n.norm();
     let normal = if l > 0.0 { n / l } else { Vector::z() };
-    Some(Rest { center: c.center, normal })
+    Some(Rest {
+        center: c.center,
+        normal,
+    })
 }
 
 /// Below this length a height difference is a cliff, not a slope: the tool goes up (or down) there on the spot.
@@ -107,9 +110,12 @@ fn densify(
     while let Some((a, b)) = stack.pop() {
         let run = (b.center.xy() - a.center.xy()).norm();
         let mid = nalgebra::center(&a.center, &b.center);
-        let Some(m) = rest(cutter, mid.x, mid.y, hint) else { return false };
+        let Some(m) = rest(cutter, mid.x, mid.y, hint) else {
+            return false;
+        };
         let miss = m.normal.dot(&(mid - m.center));
-        let good = miss >= -0.5 * options.gouge && miss <= 0.5 * options.stock && run <= options.probe;
+        let good =
+            miss >= -0.5 * options.gouge && miss <= 0.5 * options.stock && run <= options.probe;
         if !good && run > CLIFF_RUN {
             stack.push((m, b));
             stack.push((a, m));
@@ -120,7 +126,10 @@ fn densify(
             // Up on the spot, then across; or across, then down.
             let from = if rise > 0.0 { &a } else { &b };
             let top = a.center.z.max(b.center.z).max(m.center.z);
-            out.push(Rest { center: Point::new(from.center.x, from.center.y, top), normal: from.normal });
+            out.push(Rest {
+                center: Point::new(from.center.x, from.center.y, top),
+                normal: from.normal,
+            });
         } else if run > 0.5 * options.probe || !good {
             out.push(m);
         }
@@ -163,10 +172,16 @@ fn chord_holds(rests: &[Rest], options: &FitOptions) -> bool {
         return false;
     }
     rests[1..rests.len() - 1].iter().all(|r| {
-        let s = if l2 > 0.0 { ((r.center - a).dot(&e) / l2).clamp(0.0, 1.0) } else { 0.0 };
+        let s = if l2 > 0.0 {
+            ((r.center - a).dot(&e) / l2).clamp(0.0, 1.0)
+        } else {
+            0.0
+        };
         let d = a + e * s - r.center;
         let up = d.dot(&r.normal);
-        up >= -options.gouge && up <= options.stock && (d - r.normal * up).norm() <= options.sideways
+        up >= -options.gouge
+            && up <= options.stock
+            && (d - r.normal * up).norm() <= options.sideways
     })
 }
 
@@ -175,7 +190,15 @@ fn prove(cutter: &DropCutter, rests: &[Rest], options: &FitOptions) -> Vec<Point
     let mut hint = Hint::default();
     let mut out = vec![rests[0].center];
     for w in rests.windows(2) {
-        prove_segment(cutter, w[0].center, w[1].center, options, &mut hint, &mut out, 0);
+        prove_segment(
+            cutter,
+            w[0].center,
+            w[1].center,
+            options,
+            &mut hint,
+            &mut out,
+            0,
+        );
     }
     out
 }
@@ -237,7 +260,11 @@ pub fn resample(curve: &[Point2], closed: bool, gap: f64) -> Vec<Point2> {
             k += 1;
         }
         let l = along[k + 1] - along[k];
-        let f = if l > 0.0 { ((s - along[k]) / l).clamp(0.0, 1.0) } else { 0.0 };
+        let f = if l > 0.0 {
+            ((s - along[k]) / l).clamp(0.0, 1.0)
+        } else {
+            0.0
+        };
         out.push(at[k] + (at[k + 1] - at[k]) * f);
     }
     out

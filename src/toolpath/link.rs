@@ -38,10 +38,14 @@ pub fn link(
     fitting: &FitOptions,
 ) -> Toolpath {
     let down = Vector::new(0.0, 0.0, -cutter.radius());
-    let mut path = Toolpath { safe_z: options.safe_center_z - cutter.radius(), ..Toolpath::default() };
+    let mut path = Toolpath {
+        safe_z: options.safe_center_z - cutter.radius(),
+        ..Toolpath::default()
+    };
     let mut at: Option<Point> = None;
     let mut feature: Option<Option<usize>> = None;
-    let go = |moves: &mut Vec<Move>, kind: MoveKind, c: Point| moves.push(Move { kind, to: c + down });
+    let go =
+        |moves: &mut Vec<Move>, kind: MoveKind, c: Point| moves.push(Move { kind, to: c + down });
     for pass in ordered {
         let run = pass.run();
         let Some(&start) = run.first() else { continue };
@@ -51,21 +55,38 @@ pub fn link(
                 Some(k) => format!("feature {} {}", k + 1, regions.features[k].kind.name()),
                 None => "border".to_string(),
             };
-            path.sections.push(Section { name, first_move: path.moves.len() });
+            path.sections.push(Section {
+                name,
+                first_move: path.moves.len(),
+            });
         }
         let over = start + Vector::new(0.0, 0.0, options.allowance + options.clearance);
         match at {
             None => {
-                go(&mut path.moves, MoveKind::Rapid, Point::new(start.x, start.y, options.safe_center_z.max(over.z)));
+                go(
+                    &mut path.moves,
+                    MoveKind::Rapid,
+                    Point::new(start.x, start.y, options.safe_center_z.max(over.z)),
+                );
                 go(&mut path.moves, MoveKind::Rapid, over);
                 go(&mut path.moves, MoveKind::Plunge, start);
             }
             Some(from) => match stay_down(cutter, &from, &start, options, fitting) {
-                Some(points) => points.iter().for_each(|p| go(&mut path.moves, MoveKind::Link, *p)),
+                Some(points) => points
+                    .iter()
+                    .for_each(|p| go(&mut path.moves, MoveKind::Link, *p)),
                 None => {
                     let top = hop_height(cutter, &from, &start, options).max(over.z);
-                    go(&mut path.moves, MoveKind::Retract, Point::new(from.x, from.y, top));
-                    go(&mut path.moves, MoveKind::Rapid, Point::new(start.x, start.y, top));
+                    go(
+                        &mut path.moves,
+                        MoveKind::Retract,
+                        Point::new(from.x, from.y, top),
+                    );
+                    go(
+                        &mut path.moves,
+                        MoveKind::Rapid,
+                        Point::new(start.x, start.y, top),
+                    );
                     if top > over.z {
                         go(&mut path.moves, MoveKind::Rapid, over);
                     }
@@ -73,12 +94,20 @@ pub fn link(
                 }
             },
         }
-        run[1..].iter().for_each(|p| go(&mut path.moves, MoveKind::Cut, *p));
+        run[1..]
+            .iter()
+            .for_each(|p| go(&mut path.moves, MoveKind::Cut, *p));
         at = run.last().copied();
     }
     if let Some(c) = at {
-        let top = options.safe_center_z.max(c.z + options.allowance + options.clearance);
-        go(&mut path.moves, MoveKind::Retract, Point::new(c.x, c.y, top));
+        let top = options
+            .safe_center_z
+            .max(c.z + options.allowance + options.clearance);
+        go(
+            &mut path.moves,
+            MoveKind::Retract,
+            Point::new(c.x, c.y, top),
+        );
     }
     path
 }
@@ -104,8 +133,9 @@ fn stay_down(
         return Some(Vec::new());
     }
     let n = (flat / fitting.probe).ceil().max(1.0) as usize;
-    let curve: Vec<Point2> =
-        (0..=n).map(|k| from.xy() + (to.xy() - from.xy()) * (k as f64 / n as f64)).collect();
+    let curve: Vec<Point2> = (0..=n)
+        .map(|k| from.xy() + (to.xy() - from.xy()) * (k as f64 / n as f64))
+        .collect();
     let mut runs = fit(cutter, &curve, fitting);
     if runs.len() != 1 {
         return None;
@@ -142,7 +172,8 @@ fn hop_height(cutter: &DropCutter, from: &Point, to: &Point, options: &LinkOptio
             top = top.max(r.center.z);
         }
     }
-    (top + options.allowance + options.clearance).min(options.safe_center_z.max(top + options.allowance))
+    (top + options.allowance + options.clearance)
+        .min(options.safe_center_z.max(top + options.allowance))
 }
 
 /// Time of a hop: up, across, down at rapid speed, then the plunge; each leg from rest to rest.
@@ -152,7 +183,11 @@ fn air_time(from: &Point, to: &Point, hop_z: f64, options: &LinkOptions) -> f64 
             return 0.0;
         }
         let a = options.acceleration;
-        if length * a >= speed * speed { length / speed + speed / a } else { 2.0 * (length / a).sqrt() }
+        if length * a >= speed * speed {
+            length / speed + speed / a
+        } else {
+            2.0 * (length / a).sqrt()
+        }
     };
     let plunge = options.allowance + options.clearance;
     leg(hop_z - from.z, options.rapid_z)

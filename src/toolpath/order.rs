@@ -18,7 +18,16 @@ pub fn order(passes: Vec<Pass>, start: Point) -> Vec<Pass> {
     let mut at = start;
     while !groups.is_empty() {
         let nearest = (0..groups.len())
-            .map(|k| (groups[k].1.iter().map(|p| entry(p, &at).0).fold(f64::INFINITY, f64::min), k))
+            .map(|k| {
+                (
+                    groups[k]
+                        .1
+                        .iter()
+                        .map(|p| entry(p, &at).0)
+                        .fold(f64::INFINITY, f64::min),
+                    k,
+                )
+            })
             .reduce(|a, b| if b.0 < a.0 { b } else { a });
         let Some((_, k)) = nearest else { break };
         let mut left = groups.remove(k).1;
@@ -46,7 +55,11 @@ pub fn order(passes: Vec<Pass>, start: Point) -> Vec<Pass> {
 /// Distance (mm) to the nearest point at which a pass can be entered, and its index.
 fn entry(p: &Pass, at: &Point) -> (f64, usize) {
     let n = p.points.len();
-    let candidates: &mut dyn Iterator<Item = usize> = if p.closed { &mut (0..n) } else { &mut [0, n - 1].into_iter() };
+    let candidates: &mut dyn Iterator<Item = usize> = if p.closed {
+        &mut (0..n)
+    } else {
+        &mut [0, n - 1].into_iter()
+    };
     candidates
         .map(|i| ((p.points[i] - at).norm(), i))
         .fold((f64::INFINITY, 0), |a, b| if b.0 < a.0 { b } else { a })

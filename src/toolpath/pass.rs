@@ -34,14 +34,28 @@ pub struct Pass {
 impl Pass {
     /// Length, mm.
     pub fn length(&self) -> f64 {
-        let close = if self.closed { self.points.first().zip(self.points.last()).map_or(0.0, |(a, b)| (a - b).norm()) } else { 0.0 };
-        close + self.points.windows(2).map(|w| (w[1] - w[0]).norm()).sum::<f64>()
+        let close = if self.closed {
+            self.points
+                .first()
+                .zip(self.points.last())
+                .map_or(0.0, |(a, b)| (a - b).norm())
+        } else {
+            0.0
+        };
+        close
+            + self
+                .points
+                .windows(2)
+                .map(|w| (w[1] - w[0]).norm())
+                .sum::<f64>()
     }
 
     /// As an open run: a closed pass ends where it began.
     pub fn run(&self) -> Vec<Point> {
         let mut p = self.points.clone();
-        if self.closed && let Some(first) = self.points.first() {
+        if self.closed
+            && let Some(first) = self.points.first()
+        {
             p.push(*first);
         }
         p
@@ -52,7 +66,12 @@ impl Pass {
 const OVERLAP: f64 = 0.1;
 
 /// Level passes of all features and the border loops. All cores; the order does not depend on them.
-pub fn passes(grid: &ToolCentreGrid, cutter: &DropCutter, regions: &Regions, fitting: &FitOptions) -> Vec<Pass> {
+pub fn passes(
+    grid: &ToolCentreGrid,
+    cutter: &DropCutter,
+    regions: &Regions,
+    fitting: &FitOptions,
+) -> Vec<Pass> {
     let mut out: Vec<Pass> = border(grid, cutter, regions, fitting);
     for (index, feature) in regions.features.iter().enumerate() {
         let curves = trimmed_levels(grid, feature);
@@ -65,7 +84,12 @@ pub fn passes(grid: &ToolCentreGrid, cutter: &DropCutter, regions: &Regions, fit
                 on_ground(grid, cutter, &even, *closed)
                     .into_iter()
                     .flat_map(|(piece, closed)| laid(cutter, &piece, closed, fitting))
-                    .map(|(points, closed)| Pass { kind: PassKind::Level, feature: Some(index), points, closed })
+                    .map(|(points, closed)| Pass {
+                        kind: PassKind::Level,
+                        feature: Some(index),
+                        points,
+                        closed,
+                    })
                     .collect()
             })
             .collect();
@@ -75,7 +99,12 @@ pub fn passes(grid: &ToolCentreGrid, cutter: &DropCutter, regions: &Regions, fit
 }
 
 /// Drops and fits one curve in plan; a closed curve that stays whole comes back closed.
-pub fn laid(cutter: &DropCutter, curve: &[Point2], closed: bool, fitting: &FitOptions) -> Vec<(Vec<Point>, bool)> {
+pub fn laid(
+    cutter: &DropCutter,
+    curve: &[Point2],
+    closed: bool,
+    fitting: &FitOptions,
+) -> Vec<(Vec<Point>, bool)> {
     let mut open = curve.to_vec();
     if closed && let Some(first) = curve.first() {
         open.push(*first);
@@ -116,7 +145,11 @@ fn kept(at: &[(Point2, f64)], closed: bool) -> Vec<(Vec<Point2>, bool)> {
     }
     let n = at.len();
     // A closed curve is walked from a place that is cut away, so that no run is split at its seam.
-    let start = if closed { at.iter().position(|a| a.1 < 0.0).unwrap_or(0) } else { 0 };
+    let start = if closed {
+        at.iter().position(|a| a.1 < 0.0).unwrap_or(0)
+    } else {
+        0
+    };
     let steps = if closed { n + 1 } else { n };
     let mut out = Vec::new();
     let mut run: Vec<Point2> = Vec::new();
@@ -144,7 +177,12 @@ fn kept(at: &[(Point2, f64)], closed: bool) -> Vec<(Vec<Point2>, bool)> {
 }
 
 /// The runs of a curve on which the ball rests on the part rather than rolls round its outline, ended on the border exactly.
-fn on_ground(grid: &ToolCentreGrid, cutter: &DropCutter, curve: &[Point2], closed: bool) -> Vec<(Vec<Point2>, bool)> {
+fn on_ground(
+    grid: &ToolCentreGrid,
+    cutter: &DropCutter,
+    curve: &[Point2],
+    closed: bool,
+) -> Vec<(Vec<Point2>, bool)> {
     let mut hint = Hint::default();
     let reach = grid.outline_reach();
     let mut ask = |q: &Point2| -> bool {
@@ -152,18 +190,27 @@ fn on_ground(grid: &ToolCentreGrid, cutter: &DropCutter, curve: &[Point2], close
         let near = grid.nearest(q.x, q.y);
         let inner = near.is_some_and(|n| {
             (-1..=1).all(|dy| {
-                (-1..=1).all(|dx| grid.neighbour(n, (dx, dy)).is_some_and(|j| grid.kind[j] == NodeKind::Ground))
+                (-1..=1).all(|dx| {
+                    grid.neighbour(n, (dx, dy))
+                        .is_some_and(|j| grid.kind[j] == NodeKind::Ground)
+                })
             })
         });
         inner
-            || cutter.drop_near(q.x, q.y, &mut hint).is_some_and(|c: Contact| !cutter.on_outline(&c, reach))
+            || cutter
+                .drop_near(q.x, q.y, &mut hint)
+                .is_some_and(|c: Contact| !cutter.on_outline(&c, reach))
     };
     let good: Vec<bool> = curve.iter().map(&mut ask).collect();
     if good.iter().all(|g| *g) {
         return vec![(curve.to_vec(), closed)];
     }
     let n = curve.len();
-    let start = if closed { good.iter().position(|g| !g).unwrap_or(0) } else { 0 };
+    let start = if closed {
+        good.iter().position(|g| !g).unwrap_or(0)
+    } else {
+        0
+    };
     let steps = if closed { n + 1 } else { n };
     let mut out: Vec<(Vec<Point2>, bool)> = Vec::new();
     let mut run: Vec<Point2> = Vec::new();
@@ -173,7 +220,11 @@ fn on_ground(grid: &ToolCentreGrid, cutter: &DropCutter, curve: &[Point2], close
         if let Some(j) = last
             && good[i] != good[j]
         {
-            let (mut inside, mut outside) = if good[i] { (curve[i], curve[j]) } else { (curve[j], curve[i]) };
+            let (mut inside, mut outside) = if good[i] {
+                (curve[i], curve[j])
+            } else {
+                (curve[j], curve[i])
+            };
             while (outside - inside).norm() > 5e-4 {
                 let m = nalgebra::center(&inside, &outside);
                 if ask(&m) { inside = m } else { outside = m }
@@ -195,10 +246,25 @@ fn on_ground(grid: &ToolCentreGrid, cutter: &DropCutter, curve: &[Point2], close
 }
 
 /// Loops along the border of the ground, through the border crossings of the grid.
-fn border(grid: &ToolCentreGrid, cutter: &DropCutter, regions: &Regions, fitting: &FitOptions) -> Vec<Pass> {
-    let value = |n: usize| if grid.kind[n] == NodeKind::Ground { 1.0 } else { 0.0 };
+fn border(
+    grid: &ToolCentreGrid,
+    cutter: &DropCutter,
+    regions: &Regions,
+    fitting: &FitOptions,
+) -> Vec<Pass> {
+    let value = |n: usize| {
+        if grid.kind[n] == NodeKind::Ground {
+            1.0
+        } else {
+            0.0
+        }
+    };
     let crossing = |a: u32, b: u32| -> Option<Point2> {
-        let inside = if grid.kind[a as usize] == NodeKind::Ground { a } else { b };
+        let inside = if grid.kind[a as usize] == NodeKind::Ground {
+            a
+        } else {
+            b
+        };
         let outside = a ^ b ^ inside;
         let from = grid.crossings.partition_point(|c| c.inside < inside);
         grid.crossings[from..]
@@ -224,7 +290,12 @@ fn border(grid: &ToolCentreGrid, cutter: &DropCutter, regions: &Regions, fitting
         even.retain(|q| rest(cutter, q.x, q.y, &mut hint).is_some());
         for (points, closed) in laid(cutter, &even, curve.closed, fitting) {
             if points.len() > 1 {
-                out.push(Pass { kind: PassKind::Border, feature, points, closed });
+                out.push(Pass {
+                    kind: PassKind::Border,
+                    feature,
+                    points,
+                    closed,
+                });
             }
         }
     }

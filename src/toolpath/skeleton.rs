@@ -5,7 +5,16 @@
 use std::collections::VecDeque;
 
 /// Cells around one, counter-clockwise from +x.
-const RING: [(i64, i64); 8] = [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1)];
+const RING: [(i64, i64); 8] = [
+    (1, 0),
+    (1, 1),
+    (0, 1),
+    (-1, 1),
+    (-1, 0),
+    (-1, -1),
+    (0, -1),
+    (1, -1),
+];
 
 /// A small mask with one empty cell of margin all round.
 struct Mask {
@@ -22,7 +31,11 @@ impl Mask {
             hi = [hi[0].max(x), hi[1].max(y)];
         }
         let size = [hi[0] - lo[0] + 3, hi[1] - lo[1] + 3];
-        let mut m = Mask { first: [lo[0] - 1, lo[1] - 1], size, on: vec![false; (size[0] * size[1]) as usize] };
+        let mut m = Mask {
+            first: [lo[0] - 1, lo[1] - 1],
+            size,
+            on: vec![false; (size[0] * size[1]) as usize],
+        };
         for &(x, y) in cells {
             let i = m.index(x, y);
             m.on[i] = true;
@@ -97,7 +110,11 @@ fn thin(mask: &mut Mask, left: &mut Vec<(i64, i64)>) {
                     let count = n.iter().filter(|b| **b).count();
                     let rises = (0..8).filter(|&k| !n[k] && n[(k + 1) % 8]).count();
                     let [e, _, no, _, w, _, s, _] = n;
-                    let open = if phase == 0 { !(no && e && s) && !(e && s && w) } else { !(no && e && w) && !(no && s && w) };
+                    let open = if phase == 0 {
+                        !(no && e && s) && !(e && s && w)
+                    } else {
+                        !(no && e && w) && !(no && s && w)
+                    };
                     (2..=6).contains(&count) && rises == 1 && open
                 })
                 .collect();
@@ -164,7 +181,10 @@ fn path_from(mask: &Mask, start: (i64, i64)) -> Vec<(i64, i64)> {
     let mut i = mask.index(last.0, last.1);
     loop {
         let k = i as i64;
-        path.push((k % mask.size[0] + mask.first[0], k / mask.size[0] + mask.first[1]));
+        path.push((
+            k % mask.size[0] + mask.first[0],
+            k / mask.size[0] + mask.first[1],
+        ));
         if from[i] as usize == i {
             return path;
         }
@@ -181,7 +201,10 @@ mod tests {
         let cells: Vec<(i64, i64)> = (0..40).flat_map(|x| (0..5).map(move |y| (x, y))).collect();
         let lines = middle_lines(&cells, 4);
         assert_eq!(lines.len(), 1);
-        assert!(lines[0].len() > 32 && lines[0].iter().all(|c| (1..=3).contains(&c.1)), "{lines:?}");
+        assert!(
+            lines[0].len() > 32 && lines[0].iter().all(|c| (1..=3).contains(&c.1)),
+            "{lines:?}"
+        );
     }
 
     #[test]
@@ -192,7 +215,10 @@ mod tests {
 
     #[test]
     fn a_cross_is_a_long_line_and_two_arms() {
-        let mut cells: Vec<(i64, i64)> = (-20..=20).map(|x| (x, 0)).chain((1..=20).flat_map(|y| [(0, y), (0, -y)])).collect();
+        let mut cells: Vec<(i64, i64)> = (-20..=20)
+            .map(|x| (x, 0))
+            .chain((1..=20).flat_map(|y| [(0, y), (0, -y)]))
+            .collect();
         cells.sort_unstable();
         let lines = middle_lines(&cells, 4);
         assert_eq!(lines.len(), 3);
