@@ -167,33 +167,23 @@ impl<'a> Reader<'a> {
             .step_by(2)
             .map(str::to_string)
             .collect();
-        if message.starts_with("unknown field") {
-            if let Some((key, known)) = quoted.split_first() {
-                return DataError::UnknownKey {
-                    at,
-                    key: key.clone(),
-                    nearest: nearest(key, known.iter().map(String::as_str)),
-                    known: known.to_vec(),
-                };
-            }
+        match quoted.split_first() {
+            Some((key, known)) if message.starts_with("unknown field") => DataError::UnknownKey {
+                at,
+                key: key.clone(),
+                nearest: nearest(key, known.iter().map(String::as_str)),
+                known: known.to_vec(),
+            },
+            Some((key, _)) if message.starts_with("missing field") => DataError::Missing {
+                at,
+                key: key.clone(),
+                folder: self.folder.to_string(),
+            },
+            _ => DataError::Syntax {
+                at,
+                message: plain(message),
+            },
         }
-        if message.starts_with("missing field") {
-            if let Some(key) = quoted.first() {
-                return DataError::Missing {
-                    at,
-                    key: key.clone(),
-                    folder: self.folder.to_string(),
-                };
-            }
-        }
-        let message = message
-            .replace("expected f64", "expected a number")
-            .replace("floating point", "number")
-            .replace("expected u32", "expected a whole number, not negative")
-            .replace("expected u8", "expected a whole number from 0 to 255")
-            .replace("expected usize", "expected a whole number, not negative")
-            .replace("an array of length", "a list of length");
-        DataError::Syntax { at, message }
     }
 
     /// Notes a complaint about a value.
@@ -263,6 +253,15 @@ impl<'a> Reader<'a> {
             _ => Err(DataError::Several(self.complaints)),
         }
     }
+}
+
+/// serde's names for kinds of values in a machinist's words.
+fn plain(message: &str) -> String {
+    message
+        .replace("expected f64", "expected a number")
+        .replace("floating point", "number")
+        .replace("an array of length", "a list of length")
+        .replace("a sequence", "a list")
 }
 
 /// The text and name behind `name_or_path`: one of `built_in` (name, text), or a file when it contains a `/` or ends in `.toml`.

@@ -100,9 +100,9 @@ pub struct Post {
     pub start: Vec<Template>,
     /// Spindle on and up to speed.
     pub spindle: Vec<Template>,
-    /// Flood coolant on.
+    /// Flood coolant on; empty when the dialect has none.
     pub flood: Vec<Template>,
-    /// Mist coolant on.
+    /// Mist coolant on; empty when the dialect has none.
     pub mist: Vec<Template>,
     /// Last lines: everything off, end of program.
     pub end: Vec<Template>,

@@ -45,7 +45,7 @@ pub fn push(out: &mut String, count: i64, decimals: u8) {
     }
     let mut rest = count.unsigned_abs();
     let mut places = decimals.min(MOST_DECIMALS);
-    while places > 0 && rest % 10 == 0 {
+    while places > 0 && rest.is_multiple_of(10) {
         rest /= 10;
         places -= 1;
     }

@@ -108,6 +108,14 @@ pub enum PostError {
         /// Name of the dialect.
         post: String,
     },
+    /// A coolant the dialect has no words for.
+    #[error("post {post} has no {coolant:?} coolant: choose another, or none")]
+    NoCoolant {
+        /// What was asked for.
+        coolant: Coolant,
+        /// Name of the dialect.
+        post: String,
+    },
     /// A line longer than the dialect allows.
     #[error("line {line} has {length} characters and post {post} allows {longest}: {text}")]
     LineTooLong {
@@ -152,6 +160,12 @@ pub fn write(toolpath: &Toolpath, job: &Job, post: &Post) -> Result<Posted, Post
         Coolant::Flood => &post.flood,
         Coolant::Mist => &post.mist,
     };
+    if coolant.is_empty() && job.coolant != Coolant::Off {
+        return Err(PostError::NoCoolant {
+            coolant: job.coolant,
+            post: post.name.clone(),
+        });
+    }
     for template in coolant {
         pen.template(template, job)?;
     }
@@ -339,13 +353,11 @@ impl<'a> Pen<'a> {
             number::push(&mut self.out, count, self.decimals);
             self.at[axis] = Some(count);
         }
-        if let Some(feed) = feed {
-            if !self.post.modal.feed || self.feed != Some(feed) {
-                self.gap(start);
-                self.out.push('F');
-                number::push(&mut self.out, feed, self.post.feed_decimals());
-                self.feed = Some(feed);
-            }
+        if let Some(feed) = feed.filter(|f| !self.post.modal.feed || self.feed != Some(*f)) {
+            self.gap(start);
+            self.out.push('F');
+            number::push(&mut self.out, feed, self.post.feed_decimals());
+            self.feed = Some(feed);
         }
         self.end_line(start)?;
         self.last_motion_line = self.lines;

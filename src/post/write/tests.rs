@@ -274,6 +274,14 @@ fn what_cannot_be_written_is_refused_by_name() {
         );
         assert!(e.contains("must be zero or above"), "{e}");
     }
+    let mist = Job {
+        coolant: Coolant::Mist,
+        ..job()
+    };
+    assert_eq!(
+        refusal(&path(), &mist),
+        "post grbl has no Mist coolant: choose another, or none"
+    );
     let mut tight = post.clone();
     tight.longest = 15;
     let e = write(
