@@ -220,6 +220,7 @@ impl Post {
             Mm(r.figure("path_tolerance_mm", v, b, "mm", "0.002 keeps the surface"))
         });
         let p = &f.program;
+        let forbidden = f.comments.forbidden.get_ref().as_str();
         let post = Post {
             name: name.to_string(),
             title,
@@ -241,11 +242,11 @@ impl Post {
                 axes: f.modal.axes,
                 feed: f.modal.feed,
             },
-            start: templates(&mut r, "start", &p.start),
-            spindle: templates(&mut r, "spindle", &p.spindle),
-            flood: templates(&mut r, "flood", &p.flood),
-            mist: templates(&mut r, "mist", &p.mist),
-            end: templates(&mut r, "end", &p.end),
+            start: templates(&mut r, forbidden, "start", &p.start),
+            spindle: templates(&mut r, forbidden, "spindle", &p.spindle),
+            flood: templates(&mut r, forbidden, "flood", &p.flood),
+            mist: templates(&mut r, forbidden, "mist", &p.mist),
+            end: templates(&mut r, forbidden, "end", &p.end),
             path_tolerance,
         };
         post.check_program(&mut r, p);
@@ -320,12 +321,18 @@ fn whole(
 
 fn templates(
     r: &mut Reader<'_>,
+    forbidden: &str,
     key: &str,
     lines: &Spanned<Vec<Spanned<String>>>,
 ) -> Vec<Template> {
     let mut good = Vec::new();
     for line in lines.get_ref() {
         match Template::parse(line.get_ref()) {
+            Ok(_) if line.get_ref().contains(|c| forbidden.contains(c)) => {
+                let problem =
+                    format!("has one of {forbidden}, which this dialect forbids even in comments");
+                r.complain(key, line, format!("\"{}\"", line.get_ref()), problem);
+            }
             Ok(t) => good.push(t),
             Err(problem) => r.complain(key, line, format!("\"{}\"", line.get_ref()), problem),
         }
@@ -495,6 +502,11 @@ mod tests {
             ("\"M5\", ", "", "must have M5"),
             ("[\"M8\"]", "[\"M30\"]", "before it cuts"),
             ("[\"M8\"]", "[\"G0 Z0\"]", "would move the machine"),
+            (
+                "[\"M8\"]",
+                "[\"M8 (wet?)\"]",
+                "has one of ?!~, which this dialect forbids",
+            ),
         ] {
             let e = refusal(from, to);
             assert!(e.contains(what), "{from} -> {to}: {e}");
