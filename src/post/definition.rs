@@ -523,4 +523,26 @@ mod tests {
             "{e}"
         );
     }
+
+    proptest::proptest! {
+        // A file with a piece torn out or doubled is refused or read, never a panic; and so is any text at all.
+        #[test]
+        fn no_text_is_too_broken(at in 0..2_000_usize, length in 0..60_usize, double: bool, any_text: String) {
+            use crate::machine::{self, Machine};
+            let cut = |text: &str| {
+                let chars: Vec<char> = text.chars().collect();
+                let (start, end) = (at.min(chars.len()), (at + length).min(chars.len()));
+                let keep = if double { start } else { end };
+                chars[..end - (end - start) * usize::from(!double)].iter().chain(&chars[keep..]).collect::<String>()
+            };
+            for (name, text) in BUILT_IN {
+                let _ = Post::from_toml(name, &cut(text)).map_err(|e| e.to_string());
+            }
+            for (name, text) in machine::BUILT_IN {
+                let _ = Machine::from_toml(name, &cut(text)).map_err(|e| e.to_string());
+            }
+            proptest::prop_assert!(Post::from_toml("x", &any_text).is_err());
+            proptest::prop_assert!(Machine::from_toml("x", &any_text).is_err());
+        }
+    }
 }
