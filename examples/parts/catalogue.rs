@@ -42,51 +42,88 @@ fn parts() -> Vec<Part> {
         make,
     };
     vec![
-        part("two-peaks", "open sheet, two peaks on a dome: the plainest case", Make::Sheet, 60.0, 60.0, &[
-            Level(12.0),
-            Dome(0.0021),
-            Bell(9.5, [17.5, 25.0], [12.5, 11.0], 30.0),
-            Bell(7.5, [44.0, 36.5], [9.0, 11.5], -20.0),
-        ]),
-        part("peaks-and-pits", "open sheet, several peaks and pits", Make::Sheet, 64.0, 58.0, &[
-            Level(10.0),
-            Dome(0.0009),
-            Tilt(0.012, -0.02),
-            Bell(6.0, [13.0, 14.0], [7.5, 6.8], 15.0),
-            Bell(5.2, [49.5, 12.5], [7.2, 8.4], -25.0),
-            Bell(6.6, [15.5, 44.0], [7.8, 7.0], 40.0),
-            Bell(5.6, [50.5, 45.5], [8.2, 7.0], 10.0),
-            Bell(3.6, [32.5, 29.5], [5.8, 6.4], 0.0),
-            Bell(-4.2, [31.5, 12.0], [5.6, 7.0], 8.0),
-            Bell(-4.6, [33.0, 47.0], [6.2, 6.6], -30.0),
-        ]),
-        part("steep-relief", "open sheet, flanks to 70 degrees, sharp tops; a 6 mm ball fits everywhere", Make::Sheet, 60.0, 60.0, &[
-            Level(4.0),
-            Dome(0.001),
-            Bell(34.0, [20.0, 38.5], [7.9, 7.6], 20.0),
-            Bell(22.0, [42.5, 18.0], [6.6, 8.4], -35.0),
-            Bell(6.0, [45.0, 46.0], [8.0, 7.0], 0.0),
-        ]),
-        part("walled-boss", "closed solid, upright walls down to z = 0, freeform top", Make::Solid, 56.0, 56.0, &[
-            Level(18.0),
-            Dome(0.0016),
-            Tilt(0.014, 0.009),
-            Mesa(3.4, [18.0, 37.0], [12.5, 11.0], 25.0),
-            Bell(4.2, [40.5, 18.5], [8.5, 9.5], -20.0),
-            Bell(-2.8, [21.0, 17.0], [8.0, 7.0], 10.0),
-        ]),
-        part("noisy-soup", "open sheet as scanners make them: noise, holes, flipped and double facets, slivers, no order", Make::Soup, 60.0, 60.0, &[
-            Level(9.0),
-            Dome(0.0018),
-            Tilt(-0.015, 0.022),
-            Bell(6.5, [19.0, 39.0], [11.0, 9.5], 25.0),
-            Bell(5.5, [42.0, 20.5], [9.5, 10.5], 15.0),
-        ]),
-        part("wave", "open sheet, an egg box", Make::Obj, 60.0, 60.0, &[
-            Level(6.0),
-            Ripple(2.2, [34.0, 38.0]),
-            Tilt(0.01, 0.02),
-        ]),
+        part(
+            "two-peaks",
+            "open sheet, two peaks on a dome: the plainest case",
+            Make::Sheet,
+            60.0,
+            60.0,
+            &[
+                Level(12.0),
+                Dome(0.0021),
+                Bell(10.5, [16.5, 25.0], [10.5, 9.5], 30.0),
+                Bell(8.5, [44.0, 36.5], [8.5, 10.0], -20.0),
+            ],
+        ),
+        part(
+            "peaks-and-pits",
+            "open sheet, several peaks and pits",
+            Make::Sheet,
+            64.0,
+            58.0,
+            &[
+                Level(10.0),
+                Dome(0.0009),
+                Tilt(0.012, -0.02),
+                Bell(6.0, [13.0, 14.0], [7.5, 6.8], 15.0),
+                Bell(5.2, [49.5, 12.5], [7.2, 8.4], -25.0),
+                Bell(6.6, [15.5, 44.0], [7.8, 7.0], 40.0),
+                Bell(5.6, [50.5, 45.5], [8.2, 7.0], 10.0),
+                Bell(3.6, [32.5, 29.5], [5.8, 6.4], 0.0),
+                Bell(-4.2, [31.5, 12.0], [5.6, 7.0], 8.0),
+                Bell(-4.6, [33.0, 47.0], [6.2, 6.6], -30.0),
+            ],
+        ),
+        part(
+            "steep-relief",
+            "open sheet, flanks to 70 degrees, sharp tops; a 6 mm ball fits everywhere",
+            Make::Sheet,
+            56.0,
+            56.0,
+            &[
+                Level(4.0),
+                Dome(0.0008),
+                Bell(36.6, [20.0, 34.5], [8.4, 8.2], 20.0),
+                Bell(8.0, [43.0, 14.0], [9.0, 9.5], -35.0),
+            ],
+        ),
+        part(
+            "walled-boss",
+            "closed solid, upright walls down to z = 0, freeform top",
+            Make::Solid,
+            56.0,
+            56.0,
+            &[
+                Level(18.0),
+                Dome(0.0016),
+                Tilt(0.014, 0.009),
+                Mesa(3.4, [18.0, 37.0], [12.5, 11.0], 25.0),
+                Bell(4.2, [40.5, 18.5], [8.5, 9.5], -20.0),
+                Bell(-2.8, [21.0, 17.0], [8.0, 7.0], 10.0),
+            ],
+        ),
+        part(
+            "noisy-soup",
+            "open sheet as scanners make them: noise, holes, flipped and double facets, slivers, no order",
+            Make::Soup,
+            60.0,
+            60.0,
+            &[
+                Level(9.0),
+                Dome(0.0018),
+                Tilt(-0.015, 0.022),
+                Bell(6.5, [19.0, 39.0], [11.0, 9.5], 25.0),
+                Bell(5.5, [42.0, 20.5], [9.5, 10.5], 15.0),
+            ],
+        ),
+        part(
+            "wave",
+            "open sheet, an egg box",
+            Make::Obj,
+            60.0,
+            60.0,
+            &[Level(6.0), Ripple(3.2, [46.0, 49.0]), Tilt(0.01, 0.02)],
+        ),
     ]
 }
 
@@ -113,7 +150,10 @@ pub fn files() -> Vec<File> {
             }
         };
         let triangles = match part.make {
-            Make::Obj => bytes.split(|b| *b == b'\n').filter(|l| l.starts_with(b"f ")).count(),
+            Make::Obj => bytes
+                .split(|b| *b == b'\n')
+                .filter(|l| l.starts_with(b"f "))
+                .count(),
             _ => (bytes.len() - 84) / 50,
         };
         json["triangles"] = json!(triangles);
@@ -156,10 +196,14 @@ fn describe(part: &Part, tolerance: f64) -> Value {
     };
     let critical = s.critical_points();
     let count = |kind| critical.iter().filter(|c| c.kind == kind).count();
-    let (mut low, mut high, mut slope2, mut convex, mut concave) = (f64::MAX, f64::MIN, 0.0f64, 1e-9f64, 1e-9f64);
+    let (mut low, mut high, mut slope2, mut convex, mut concave) =
+        (f64::MAX, f64::MIN, 0.0f64, 1e-9f64, 1e-9f64);
     for j in 0..=600 {
         for i in 0..=600 {
-            let jet = s.jet(s.width * f64::from(i) / 600.0, s.depth * f64::from(j) / 600.0);
+            let jet = s.jet(
+                s.width * f64::from(i) / 600.0,
+                s.depth * f64::from(j) / 600.0,
+            );
             let k = jet.curvatures();
             low = low.min(jet.z);
             high = high.max(jet.z);
@@ -209,7 +253,11 @@ fn stl(triangles: &[[[f32; 3]; 3]]) -> Vec<u8> {
     for t in triangles {
         let p = t.map(|c| c.map(f64::from));
         let [u, v] = [1, 2].map(|k| [0, 1, 2].map(|i| p[k][i] - p[0][i]));
-        let n = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+        let n = [
+            u[1] * v[2] - u[2] * v[1],
+            u[2] * v[0] - u[0] * v[2],
+            u[0] * v[1] - u[1] * v[0],
+        ];
         let length = (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]).sqrt();
         for c in n {
             out.extend(((if length > 0.0 { c / length } else { 0.0 }) as f32).to_le_bytes());
@@ -237,7 +285,10 @@ struct Chance(u64);
 impl Chance {
     /// Evenly from 0 to below 1.
     fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 33) as f64 / (1u64 << 31) as f64
     }
 

@@ -153,7 +153,16 @@ impl Surface {
             .flat_map(|j| (0..=N).map(move |i| (i, j)))
             .map(|(i, j)| self.jet(at(i, j).0, at(i, j).1).z)
             .collect();
-        let ring = [(1i64, 0i64), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1)];
+        let ring = [
+            (1i64, 0i64),
+            (1, 1),
+            (0, 1),
+            (-1, 1),
+            (-1, 0),
+            (-1, -1),
+            (0, -1),
+            (1, -1),
+        ];
         let mut found: Vec<Critical> = Vec::new();
         for j in 1..N {
             for i in 1..N {
@@ -166,7 +175,9 @@ impl Surface {
                     continue;
                 }
                 if let Some(c) = self.newton(at(i, j))
-                    && found.iter().all(|o| (o.x - c.x).abs() + (o.y - c.y).abs() > 0.02)
+                    && found
+                        .iter()
+                        .all(|o| (o.x - c.x).abs() + (o.y - c.y).abs() > 0.02)
                 {
                     found.push(c);
                 }
@@ -227,15 +238,21 @@ impl Surface {
                 }
             };
             for k in 0..N {
-                let (mut a, mut b) =
-                    (length * k as f64 / N as f64, length * (k + 1) as f64 / N as f64);
+                let (mut a, mut b) = (
+                    length * k as f64 / N as f64,
+                    length * (k + 1) as f64 / N as f64,
+                );
                 let (sa, sb) = (slopes(a).0, slopes(b).0);
                 if (sa > 0.0) == (sb > 0.0) {
                     continue;
                 }
                 for _ in 0..60 {
                     let m = 0.5 * (a + b);
-                    if (slopes(m).0 > 0.0) == (sa > 0.0) { a = m } else { b = m }
+                    if (slopes(m).0 > 0.0) == (sa > 0.0) {
+                        a = m
+                    } else {
+                        b = m
+                    }
                 }
                 // A top along the side is a maximum only if the surface rises outwards, a bottom a minimum if it falls.
                 let top = sa > 0.0;
@@ -253,7 +270,10 @@ impl Surface {
         }
         for (x, y) in [(0.0, 0.0), (w, 0.0), (0.0, d), (w, d)] {
             let j = self.jet(x, y);
-            let inward = [if x > 0.0 { -j.x } else { j.x }, if y > 0.0 { -j.y } else { j.y }];
+            let inward = [
+                if x > 0.0 { -j.x } else { j.x },
+                if y > 0.0 { -j.y } else { j.y },
+            ];
             let kind = match inward.map(|s| s > 0.0) {
                 [true, true] => Kind::Min,
                 [false, false] => Kind::Max,
@@ -269,37 +289,31 @@ impl Surface {
         }
     }
 
-    /// Triangles over the rectangle, finer where the surface bends: right triangles halved until no edge's middle is farther
-    /// than `tolerance` (mm, across the surface) from its chord, never with a corner on another's edge.
-    ///
-    /// ```text
-    ///   c                 halving: m is the middle of the longest edge a-b; both triangles on a-b are halved together,
-    ///   | \               because a middle's error is the largest of its own and those of the four middles below it.
-    ///   |   m
-    ///   | /   \
-    ///   a ----- b
-    /// ```
-    pub fn sheet(&self, tolerance: f64) -> Sheet {
-        self.lattice().cut(tolerance)
-    }
-
     /// The finest sheet of at most `most` triangles, and its tolerance in mm (in steps of a twentieth).
     pub fn finest_sheet(&self, most: usize) -> (Sheet, f64) {
         let lattice = self.lattice();
-        let mut tolerance = 0.0005;
-        loop {
-            let sheet = lattice.cut(tolerance);
-            if sheet.triangles.len() <= most {
-                return (sheet, tolerance);
+        // Fewer triangles as the tolerance grows: halve the range of steps.
+        let tolerance = |step: u32| (0..step).fold(0.0005, |t, _| t * 1.05);
+        let (mut fine, mut coarse) = (0, 120);
+        while coarse - fine > 1 {
+            let middle = (fine + coarse) / 2;
+            if lattice.cut(tolerance(middle)).triangles.len() <= most {
+                coarse = middle;
+            } else {
+                fine = middle;
             }
-            tolerance *= 1.05;
         }
+        (lattice.cut(tolerance(coarse)), tolerance(coarse))
     }
 
     fn lattice(&self) -> Lattice {
         const N: usize = LATTICE;
-        let place =
-            |i: usize, j: usize| (self.width * i as f64 / N as f64, self.depth * j as f64 / N as f64);
+        let place = |i: usize, j: usize| {
+            (
+                self.width * i as f64 / N as f64,
+                self.depth * j as f64 / N as f64,
+            )
+        };
         let jets: Vec<Jet> = (0..=N)
             .flat_map(|j| (0..=N).map(move |i| (i, j)))
             .map(|(i, j)| self.jet(place(i, j).0, place(i, j).1))
@@ -323,7 +337,18 @@ impl Surface {
                         [(i, j - half), (i, j + half)]
                     };
                     let below = half as i64 / 2;
-                    Lattice::settle(&jets, &mut error, (i, j), ends, &[(-below, -below), (below, -below), (-below, below), (below, below)]);
+                    Lattice::settle(
+                        &jets,
+                        &mut error,
+                        (i, j),
+                        ends,
+                        &[
+                            (-below, -below),
+                            (below, -below),
+                            (-below, below),
+                            (below, below),
+                        ],
+                    );
                 }
             }
             // Longest edges along a diagonal of a square of side `length`: its middle. The diagonals alternate.
@@ -336,7 +361,13 @@ impl Surface {
                         [(i0 + length, j0), (i0, j0 + length)]
                     };
                     let h = half as i64;
-                    Lattice::settle(&jets, &mut error, (i0 + half, j0 + half), ends, &[(-h, 0), (h, 0), (0, -h), (0, h)]);
+                    Lattice::settle(
+                        &jets,
+                        &mut error,
+                        (i0 + half, j0 + half),
+                        ends,
+                        &[(-h, 0), (h, 0), (0, -h), (0, h)],
+                    );
                 }
             }
             length *= 2;
@@ -346,7 +377,11 @@ impl Surface {
             .zip(&jets)
             .map(|((i, j), jet)| [place(i, j).0, place(i, j).1, jet.z])
             .collect();
-        Lattice { points, error, n: N }
+        Lattice {
+            points,
+            error,
+            n: N,
+        }
     }
 }
 
@@ -383,6 +418,16 @@ impl Lattice {
         error[k] = error[k].max(e);
     }
 
+    /// Triangles over the rectangle, finer where the surface bends: right triangles halved until no edge's middle is farther
+    /// than `tolerance` (mm, across the surface) from its chord, never with a corner on another's edge.
+    ///
+    /// ```text
+    ///   c                 halving: m is the middle of the longest edge a-b; both triangles on a-b are halved together,
+    ///   | \               because a middle's error is the largest of its own and those of the four middles below it.
+    ///   |   m
+    ///   | /   \
+    ///   a ----- b
+    /// ```
     fn cut(&self, tolerance: f64) -> Sheet {
         let n = self.n;
         let mut out = Sheet::default();
@@ -429,13 +474,19 @@ impl Sheet {
             .flat_map(|t| [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])])
             .collect();
         edges.sort_unstable();
-        let rim: Vec<(usize, usize)> =
-            edges.iter().copied().filter(|&(a, b)| edges.binary_search(&(b, a)).is_err()).collect();
+        let rim: Vec<(usize, usize)> = edges
+            .iter()
+            .copied()
+            .filter(|&(a, b)| edges.binary_search(&(b, a)).is_err())
+            .collect();
         let mut foot = vec![usize::MAX; self.points.len()];
         let mut middle = [0.0, 0.0];
         for &(a, _) in &rim {
             let [x, y, _] = self.points[a];
-            middle = [middle[0] + x / rim.len() as f64, middle[1] + y / rim.len() as f64];
+            middle = [
+                middle[0] + x / rim.len() as f64,
+                middle[1] + y / rim.len() as f64,
+            ];
             foot[a] = self.points.len();
             self.points.push([x, y, 0.0]);
         }
@@ -443,14 +494,18 @@ impl Sheet {
         self.points.push([middle[0], middle[1], 0.0]);
         for (a, b) in rim {
             let (fa, fb) = (foot[a], foot[b]);
-            self.triangles.extend([[b, a, fa], [b, fa, fb], [fa, hub, fb]]);
+            self.triangles
+                .extend([[b, a, fa], [b, fa, fb], [fa, hub, fb]]);
         }
         self
     }
 
     /// Corners of each triangle as an STL holds them.
     pub fn corners(&self) -> Vec<[[f32; 3]; 3]> {
-        self.triangles.iter().map(|t| t.map(|i| self.points[i].map(|v| v as f32))).collect()
+        self.triangles
+            .iter()
+            .map(|t| t.map(|i| self.points[i].map(|v| v as f32)))
+            .collect()
     }
 }
 
