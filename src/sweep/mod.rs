@@ -4,10 +4,14 @@
 //! Crosses the border: [`Segment`]s of ball *centres* and a ball radius in, heights over a [`Lattice`] out; work coordinates,
 //! mm, +Z towards the spindle. Must never know how the segments were made: not passes, features, programs or machines.
 
+pub mod finish;
 pub mod lattice;
+pub mod nearest;
 pub mod reachable;
 pub mod swept;
 
+pub use finish::{CuspMap, Finish, FinishError, FinishOptions, FinishStats, Percentiles, finish};
 pub use lattice::Lattice;
+pub use nearest::Paths;
 pub use reachable::{Reachable, reachable, reachable_bytes};
-pub use swept::{Segment, Swept};
+pub use swept::{Encounter, Segment, Swept};

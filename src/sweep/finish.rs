@@ -1,0 +1,510 @@
+//! How good the surface left by a swept ball is, measured against what this ball can reach.
+//!
+//! ```text
+//!        .-'-.     .-'-.      swept: what the ball left           cusp  = distance from the reachable surface to the
+//!   ____/_____\___/_____\_    reachable: what it could have left          nearest ball (or shank) that passed, less R
+//!  ///////// part //////////  part                                gouge = how deep a ball went into the part's own points
+//! ```
+//! What is judged: every cell whose vertical line hits the part, right to the border. Upright walls have no area in plan and are
+//! not judged here. Areas are those of the surface: cell area times sqrt(1 + slope^2) of the part, at most ten times the cell's;
+//! next to a step the slope is that of the cell's own side.
+
+use crate::geom::Point;
+use crate::sweep::nearest::Paths;
+use crate::sweep::{Lattice, Reachable, Segment, Swept};
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// What counts as what. All mm.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FinishOptions {
+    /// The cusp height asked for.
+    pub scallop: f64,
+    /// A cusp higher than this is not a cusp but ground left uncut: it is out of the percentiles and in the uncut area.
+    pub uncut_above: f64,
+    /// Where the reachable surface stands more than this above the part, along the normal, the part keeps rest material.
+    pub rest_above: f64,
+}
+
+impl FinishOptions {
+    /// The usual limits for a cusp height: uncut from ten times as high (0.2 mm at least), rest from 5 um.
+    pub fn for_scallop(scallop: f64) -> FinishOptions {
+        FinishOptions {
+            scallop,
+            uncut_above: (10.0 * scallop).max(0.2),
+            rest_above: 0.005,
+        }
+    }
+}
+
+/// What is left or missing at each cell, along the normal.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CuspMap {
+    /// Where.
+    pub lattice: Lattice,
+    /// Height left above the reachable surface, mm; NaN where not judged, `+inf` where nothing came within the uncut limit.
+    pub cusp_mm: Vec<f32>,
+    /// Depth cut into the part at the cell's own point, mm; 0 for none, NaN where not judged.
+    pub gouge_mm: Vec<f32>,
+}
+
+/// Cusp heights in micrometres by share of the judged, cut area: `p99` = 99 % of it is at or below.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Percentiles {
+    /// Half of the area.
+    pub p50: f64,
+    /// 95 %.
+    pub p95: f64,
+    /// 99 %.
+    pub p99: f64,
+    /// 99.9 %.
+    pub p999: f64,
+    /// The highest found at any cell centre.
+    pub max: f64,
+}
+
+/// The finish in figures.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct FinishStats {
+    /// Cusp heights, um.
+    pub scallop_um: Percentiles,
+    /// Share of the judged area (uncut ground included) above the cusp height asked for, %.
+    pub over_scallop_area_percent: f64,
+    /// Deepest cut into the part, um.
+    pub gouge_um_max: f64,
+    /// Area left uncut, mm².
+    pub uncut_area_mm2: f64,
+    /// Area that no ball of this radius can finish, mm².
+    pub rest_area_mm2: f64,
+    /// Area judged, mm².
+    pub judged_area_mm2: f64,
+    /// Highest cusp that still counts as one: x, y, z, mm.
+    pub max_at: Option<[f64; 3]>,
+    /// Deepest gouge: x, y, z, mm.
+    pub gouge_at: Option<[f64; 3]>,
+    /// Middle of some uncut cell: x, y, z, mm.
+    pub uncut_at: Option<[f64; 3]>,
+}
+
+/// Map and figures.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Finish {
+    /// Cell by cell.
+    pub map: CuspMap,
+    /// In sum.
+    pub stats: FinishStats,
+}
+
+/// Why nothing could be judged.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum FinishError {
+    /// The two maps do not lie on the same cells.
+    #[error(
+        "the swept map and the reachable surface lie on different lattices: sweep on the lattice of the reachable surface"
+    )]
+    Lattice,
+    /// The part casts no shadow on any cell.
+    #[error(
+        "no cell of the lattice lies over the part: nothing to judge; check the units and the lattice step"
+    )]
+    NothingToJudge,
+}
+
+/// Judges a swept map. `segments` are the moves of the ball's centre that made it: wherever the vertical difference of the maps
+/// hints at a cusp near the limit or at a gouge, the distance to them decides, exactly, also beside walls, where a vertical
+/// difference overstates without bound. The peak of a cusp is seen as near as a cell centre comes to it: half a step times the
+/// slope of its flank, sqrt(2 h / R), at most. Same figures for any number of threads.
+pub fn finish(
+    reach: &Reachable,
+    swept: &Swept,
+    segments: &[Segment],
+    options: &FinishOptions,
+) -> Result<Finish, FinishError> {
+    let lattice = reach.lattice;
+    if swept.lattice != lattice || swept.z.len() != reach.reach_z.len() {
+        return Err(FinishError::Lattice);
+    }
+    let radius = reach.radius;
+    let paths = Paths::new(segments, 0.25 * radius);
+    let limit = radius + options.uncut_above;
+    let judged = |i: usize| !reach.part_z[i].is_nan() && reach.reach_z[i].is_finite();
+    let cells: Vec<(f32, f32)> = (0..lattice.len())
+        .into_par_iter()
+        .map(|i| {
+            if !judged(i) {
+                return (f32::NAN, f32::NAN);
+            }
+            let q = lattice.center_at(i);
+            // Over a sharp edge many balls touch: the part's own slope keeps the normal from being any of theirs.
+            let z = swept.z[i];
+            let n = f64::from(reach.normal_z[i]).max(1.0 / stretch(reach, i));
+            let mut cusp = (z - reach.reach_z[i]) * n;
+            if z == f64::INFINITY {
+                cusp = f64::INFINITY;
+            }
+            if cusp > 0.8 * options.scallop {
+                let p = Point::new(q.x, q.y, reach.reach_z[i]);
+                cusp = paths.distance(&p, limit) - radius;
+            }
+            let mut gouge = 0.0;
+            if z < reach.part_z[i] - 1e-6 {
+                let p = Point::new(q.x, q.y, reach.part_z[i]);
+                gouge = (radius - paths.distance(&p, radius)).max(0.0);
+            }
+            (cusp.max(0.0) as f32, gouge as f32)
+        })
+        .collect();
+    let stats = stats(reach, &cells, options)?;
+    let (cusp_mm, gouge_mm) = cells.into_iter().unzip();
+    Ok(Finish {
+        map: CuspMap {
+            lattice,
+            cusp_mm,
+            gouge_mm,
+        },
+        stats,
+    })
+}
+
+/// Area of the part's surface over a cell, in cells, 1 to 10. On each axis the gentler of the two one-sided slopes counts.
+fn stretch(reach: &Reachable, i: usize) -> f64 {
+    let lattice = &reach.lattice;
+    let (ix, iy) = lattice.cell(i);
+    let z = reach.part_z[i];
+    let slope_sq = |before: Option<usize>, after: Option<usize>| {
+        [before, after]
+            .into_iter()
+            .flatten()
+            .map(|j| ((reach.part_z[j] - z) / lattice.step).powi(2))
+            .filter(|s| s.is_finite())
+            .fold(f64::INFINITY, f64::min)
+    };
+    let gx = slope_sq(
+        (ix > 0).then(|| i - 1),
+        (ix + 1 < lattice.nx).then_some(i + 1),
+    );
+    let gy = slope_sq(
+        (iy > 0).then(|| i - lattice.nx),
+        (iy + 1 < lattice.ny).then_some(i + lattice.nx),
+    );
+    let flat = |g: f64| if g.is_finite() { g } else { 0.0 };
+    (1.0 + flat(gx) + flat(gy)).sqrt().min(10.0)
+}
+
+fn stats(
+    reach: &Reachable,
+    cells: &[(f32, f32)],
+    options: &FinishOptions,
+) -> Result<FinishStats, FinishError> {
+    let lattice = &reach.lattice;
+    let place = |i: usize, z: f64| {
+        let c = lattice.center_at(i);
+        Some([c.x, c.y, z])
+    };
+    let mut s = FinishStats::default();
+    let mut cut: Vec<(f32, f32)> = Vec::new();
+    let (mut over, mut highest, mut deepest) = (0.0, -1.0f32, 0.0f32);
+    for (i, &(cusp, gouge)) in cells.iter().enumerate() {
+        if cusp.is_nan() {
+            continue;
+        }
+        let area = lattice.cell_area() * stretch(reach, i);
+        s.judged_area_mm2 += area;
+        if f64::from(cusp) > options.scallop * (1.0 + 1e-6) {
+            over += area;
+        }
+        if f64::from(cusp) > options.uncut_above {
+            s.uncut_area_mm2 += area;
+            if s.uncut_at.is_none() {
+                s.uncut_at = place(i, reach.reach_z[i]);
+            }
+        } else {
+            cut.push((cusp, area as f32));
+            if cusp > highest {
+                highest = cusp;
+                s.max_at = place(i, reach.reach_z[i]);
+            }
+        }
+        if gouge > deepest {
+            deepest = gouge;
+            s.gouge_at = place(i, reach.part_z[i]);
+        }
+        if reach.rest(i) > options.rest_above {
+            s.rest_area_mm2 += area;
+        }
+    }
+    if s.judged_area_mm2 <= 0.0 {
+        return Err(FinishError::NothingToJudge);
+    }
+    s.over_scallop_area_percent = 100.0 * over / s.judged_area_mm2;
+    s.gouge_um_max = 1e3 * f64::from(deepest);
+    s.scallop_um = percentiles(cut);
+    Ok(s)
+}
+
+/// Percentiles by weight. Ties are ordered by weight, so the sums repeat bit for bit.
+fn percentiles(mut cells: Vec<(f32, f32)>) -> Percentiles {
+    cells.par_sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    let total: f64 = cells.iter().map(|c| f64::from(c.1)).sum();
+    let mut p = Percentiles::default();
+    let Some(last) = cells.last() else { return p };
+    p.max = 1e3 * f64::from(last.0);
+    let shares = [0.5, 0.95, 0.99, 0.999];
+    let mut out = [p.max; 4];
+    let mut next = 0;
+    let mut sum = 0.0;
+    for c in &cells {
+        sum += f64::from(c.1);
+        while next < shares.len() && sum >= shares[next] * total {
+            out[next] = 1e3 * f64::from(c.0);
+            next += 1;
+        }
+    }
+    [p.p50, p.p95, p.p99, p.p999] = out;
+    p
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::part::Mesh;
+    use crate::reach::DropCutter;
+    use crate::sweep::reachable;
+
+    fn plane(size: f64, slope: f64) -> Mesh {
+        let p = |x: f64, y: f64| Point::new(x, y, slope * y);
+        Mesh {
+            triangles: vec![
+                [p(0.0, 0.0), p(size, 0.0), p(size, size)],
+                [p(0.0, 0.0), p(size, size), p(0.0, size)],
+            ],
+        }
+    }
+
+    /// Passes along X at spacing w on the slope, `lift` above the exact height.
+    fn passes(slope: f64, r: f64, w: f64, size: f64, lift: f64) -> Vec<Segment> {
+        let c = 1.0 / (1.0f64 + slope * slope).sqrt();
+        let count = (size / c / w).round() as i32;
+        let w = size / c / f64::from(count);
+        (0..=count)
+            .map(|k| {
+                // Contact at (y, slope y); the centre one radius along the normal.
+                let y = (f64::from(k) * w * c).min(size);
+                let (cy, cz) = (y - r * slope * c, slope * y + r * c + lift);
+                Segment {
+                    from: Point::new(-1.0, cy, cz),
+                    to: Point::new(size + 1.0, cy, cz),
+                }
+            })
+            .collect()
+    }
+
+    fn judge(mesh: &Mesh, segments: &[Segment], r: f64, step: f64, h: f64) -> Finish {
+        let reach = reachable(&DropCutter::new(mesh, r), step);
+        let mut swept = Swept::new(reach.lattice);
+        swept.cut(segments, r);
+        finish(&reach, &swept, segments, &FinishOptions::for_scallop(h)).unwrap()
+    }
+
+    /// Passes at w leave R - sqrt(R^2 - w^2/4), on the flat and on a slope alike; all is cut and nothing gouged.
+    #[test]
+    fn cusp_of_parallel_passes_on_flat_and_slope() {
+        let (r, w) = (3.0, 0.6);
+        for slope in [0.0f64, 0.5, 1.0, 2.0] {
+            // The width across the slope, divided evenly.
+            let across = 12.0 * (1.0 + slope * slope).sqrt();
+            let w = across / (across / w).round();
+            let cusp = 1e3 * (r - f64::sqrt(r * r - w * w / 4.0));
+            let f = judge(
+                &plane(12.0, slope),
+                &passes(slope, r, w, 12.0, 0.0),
+                r,
+                0.03,
+                0.02,
+            );
+            let s = f.stats;
+            // The nearest centre to the crest misses it by half a step at most.
+            let miss = 1e3 * 0.015 * (w / 2.0 / r);
+            assert!(s.scallop_um.max <= cusp + 0.15, "{slope}: {s:?}");
+            assert!(s.scallop_um.max >= cusp - miss - 0.2, "{slope}: {s:?}");
+            // Height goes as the square of the distance from the pass: median at a quarter of the cusp.
+            assert!(
+                (s.scallop_um.p50 - cusp / 4.0).abs() < 0.3,
+                "{slope}: {s:?}"
+            );
+            assert_eq!(s.uncut_area_mm2, 0.0, "{slope}: {s:?}");
+            assert!(s.gouge_um_max < 0.1 && s.over_scallop_area_percent == 0.0);
+            assert!(s.rest_area_mm2 < 1e-9);
+            let area = 144.0 * (1.0f64 + slope * slope).sqrt();
+            assert!(
+                (s.judged_area_mm2 / area - 1.0).abs() < 0.01,
+                "{slope}: {s:?}"
+            );
+        }
+    }
+
+    /// Lowering all passes by 50 um gouges by 50 um on the flat and 50 um times the cosine on a slope.
+    #[test]
+    fn known_gouge() {
+        for slope in [0.0, 1.0] {
+            let f = judge(
+                &plane(10.0, slope),
+                &passes(slope, 3.0, 0.5, 10.0, -0.05),
+                3.0,
+                0.1,
+                0.02,
+            );
+            let want = 50.0 / (1.0f64 + slope * slope).sqrt();
+            assert!(
+                (f.stats.gouge_um_max - want).abs() < 1.0,
+                "{slope}: {:?}",
+                f.stats
+            );
+        }
+    }
+
+    /// One pass left out in the middle: ground higher than the limit is uncut and no cusp; nothing cut at all is all uncut.
+    #[test]
+    fn uncut_is_not_a_cusp() {
+        let mesh = plane(12.0, 0.0);
+        let reach = reachable(&DropCutter::new(&mesh, 3.0), 0.1);
+        let none = Swept::new(reach.lattice);
+        let options = FinishOptions::for_scallop(0.02);
+        let s = finish(&reach, &none, &[], &options).unwrap().stats;
+        assert!((s.uncut_area_mm2 - s.judged_area_mm2).abs() < 1e-6);
+        assert_eq!(s.over_scallop_area_percent, 100.0);
+        assert_eq!(s.scallop_um.max, 0.0);
+        // Passes at y = 0..4 and 8..12: between them a hill whose top is 3 - sqrt(9 - 4) = 0.76 mm.
+        let all = passes(0.0, 3.0, 0.5, 12.0, 0.0);
+        let some: Vec<Segment> = all
+            .into_iter()
+            .filter(|s| s.from.y <= 4.0 || s.from.y >= 8.0)
+            .collect();
+        let s = judge(&mesh, &some, 3.0, 0.1, 0.02).stats;
+        // Above 0.2 mm: distance from the pass over sqrt(9 - 2.8^2) = 1.077 mm in plan by the vertical measure.
+        let want = 12.0 * (4.0 - 2.0 * (3.2f64 * 3.2 - 9.0).sqrt());
+        assert!((s.uncut_area_mm2 - want).abs() < 4.0, "{s:?} {want}");
+        assert!(s.scallop_um.max <= 200.0 + 1e-3);
+    }
+
+    /// A slot narrower than the ball is rest, not uncut.
+    #[test]
+    fn slot_is_rest() {
+        // 2 mm wide, 3 mm deep, upright walls, along X in the middle of a 12 mm plate.
+        let z = |a: [f64; 2], b: [f64; 2], h: f64| {
+            let p = |x: f64, y: f64| Point::new(x, y, h);
+            vec![
+                [p(a[0], a[1]), p(b[0], a[1]), p(b[0], b[1])],
+                [p(a[0], a[1]), p(b[0], b[1]), p(a[0], b[1])],
+            ]
+        };
+        let mut mesh = Mesh::default();
+        // The plates go on beyond the slot, so that no ball enters it by its ends.
+        mesh.triangles.extend(z([-4.0, 0.0], [16.0, 5.0], 0.0));
+        mesh.triangles.extend(z([0.0, 5.0], [12.0, 7.0], -3.0));
+        mesh.triangles.extend(z([-4.0, 7.0], [16.0, 12.0], 0.0));
+        let drop = DropCutter::new(&mesh, 3.0);
+        let reach = reachable(&drop, 0.05);
+        // Follow the resting ball over every other node.
+        let l = reach.lattice;
+        let mut segments = Vec::new();
+        for iy in 0..l.ny {
+            for ix in (2..l.nx).filter(|&ix| l.x(ix - 2) > -4.5 && l.x(ix) < 16.5) {
+                let at = |ix: usize| {
+                    let c = l.center(ix, iy);
+                    Point::new(c.x, c.y, reach.center_z[l.index(ix, iy)])
+                };
+                segments.push(Segment {
+                    from: at(ix - 2),
+                    to: at(ix),
+                });
+            }
+        }
+        let mut swept = Swept::new(l);
+        swept.cut(&segments, 3.0);
+        let s = finish(&reach, &swept, &segments, &FinishOptions::for_scallop(0.02))
+            .unwrap()
+            .stats;
+        assert!((s.rest_area_mm2 - 24.0).abs() < 1.5, "{s:?}");
+        assert_eq!(s.uncut_area_mm2, 0.0, "{s:?}");
+        assert!(s.gouge_um_max < 1.0, "{s:?}");
+    }
+
+    /// A ball that runs 5 um beside an upright wall leaves 5 um there, not the wall's height.
+    #[test]
+    fn beside_a_wall_the_normal_counts() {
+        let (r, off) = (3.0, 0.005);
+        let q = |x: f64, y: f64, z: f64| Point::new(x, y, z);
+        let mut mesh = Mesh::default();
+        let mut quad = |a, b, c, d| {
+            mesh.triangles.push([a, b, c]);
+            mesh.triangles.push([a, c, d]);
+        };
+        // Floor for y < 6.0005, plateau 8 mm above from there on.
+        let w = 6.0005;
+        quad(
+            q(0.0, 0.0, 0.0),
+            q(12.0, 0.0, 0.0),
+            q(12.0, w, 0.0),
+            q(0.0, w, 0.0),
+        );
+        // The wall goes on beyond the floor, so that no ball comes to its foot round the end.
+        quad(
+            q(-8.0, w, 0.0),
+            q(20.0, w, 0.0),
+            q(20.0, w, 8.0),
+            q(-8.0, w, 8.0),
+        );
+        quad(
+            q(-8.0, w, 8.0),
+            q(20.0, w, 8.0),
+            q(20.0, 12.0, 8.0),
+            q(-8.0, 12.0, 8.0),
+        );
+        let mut segments = Vec::new();
+        let mut y = -1.0;
+        while y < w - r - off {
+            segments.push((y, r));
+            y += 0.4;
+        }
+        segments.push((w - r - off, r));
+        let mut y = w;
+        while y < 12.5 {
+            segments.push((y, 8.0 + r));
+            y += 0.4;
+        }
+        let segments: Vec<Segment> = segments
+            .into_iter()
+            .map(|(y, z)| Segment {
+                from: q(-9.0, y, z),
+                to: q(21.0, y, z),
+            })
+            .collect();
+        let f = judge(&mesh, &segments, r, 0.05, 0.02);
+        let s = f.stats;
+        assert_eq!(s.uncut_area_mm2, 0.0, "{s:?}");
+        // Away from the floor's ends, where a ball from outside sinks a little deeper.
+        for (i, cusp) in f.map.cusp_mm.iter().enumerate() {
+            let c = f.map.lattice.center_at(i);
+            assert!(
+                !(3.0..9.0).contains(&c.x) || cusp.is_nan() || *cusp < 8e-3,
+                "{c}: {cusp}"
+            );
+        }
+        assert!(s.gouge_um_max < 0.5, "{s:?}");
+        assert!(s.rest_area_mm2 > 10.0);
+    }
+
+    #[test]
+    fn different_lattices_are_refused() {
+        let reach = reachable(&DropCutter::new(&plane(5.0, 0.0), 1.0), 0.1);
+        let other = Swept::new(Lattice {
+            step: 0.2,
+            ..reach.lattice
+        });
+        let e = finish(&reach, &other, &[], &FinishOptions::for_scallop(0.02)).unwrap_err();
+        assert_eq!(e, FinishError::Lattice);
+        assert!(e.to_string().contains("sweep on the lattice"));
+    }
+}
