@@ -25,32 +25,43 @@ pub struct LinkOptions {
     pub allowance: f64,
     /// Air between the ball and that stock in rapid moves, mm.
     pub clearance: f64,
+    /// No stock stands above this height of the ball's centre, and rapids stay above it: the top of a block; -inf when the stock
+    /// follows the part.
+    pub block_center_z: f64,
     /// Height of the ball's centre at which everything is clear, mm.
     pub safe_center_z: f64,
 }
 
-/// Joins ordered passes into one toolpath: the ball's centre becomes the tool tip, one radius lower.
+impl LinkOptions {
+    /// Lowest height of the ball's centre for rapid moves over a place where it rests at `center_z`.
+    fn above(&self, center_z: f64) -> f64 {
+        (center_z + self.allowance).max(self.block_center_z) + self.clearance
+    }
+}
+
+/// Joins ordered passes into one toolpath: the ball's centre becomes the tool tip, one radius lower. Also says which feature each
+/// section of it cuts.
 pub fn link(
     cutter: &DropCutter,
     ordered: &[Pass],
     regions: &Regions,
     options: &LinkOptions,
     fitting: &FitOptions,
-) -> Toolpath {
+) -> (Toolpath, Vec<Option<usize>>) {
     let down = Vector::new(0.0, 0.0, -cutter.radius());
     let mut path = Toolpath {
         safe_z: options.safe_center_z - cutter.radius(),
         ..Toolpath::default()
     };
     let mut at: Option<Point> = None;
-    let mut feature: Option<Option<usize>> = None;
+    let mut section_features: Vec<Option<usize>> = Vec::new();
     let go =
         |moves: &mut Vec<Move>, kind: MoveKind, c: Point| moves.push(Move { kind, to: c + down });
     for pass in ordered {
         let run = pass.run();
         let Some(&start) = run.first() else { continue };
-        if feature != Some(pass.feature) {
-            feature = Some(pass.feature);
+        if section_features.last() != Some(&pass.feature) {
+            section_features.push(pass.feature);
             let name = match pass.feature {
                 Some(k) => format!("feature {} {}", k + 1, regions.features[k].kind.name()),
                 None => "border".to_string(),
@@ -60,7 +71,7 @@ pub fn link(
                 first_move: path.moves.len(),
             });
         }
-        let over = start + Vector::new(0.0, 0.0, options.allowance + options.clearance);
+        let over = Point::new(start.x, start.y, options.above(start.z));
         match at {
             None => {
                 go(
@@ -109,7 +120,7 @@ pub fn link(
             Point::new(c.x, c.y, top),
         );
     }
-    path
+    (path, section_features)
 }
 
 /// A link along the surface, straight in plan: dropped and proven like a pass. `None` when the way through the air is quicker or
@@ -189,7 +200,7 @@ fn air_time(from: &Point, to: &Point, hop_z: f64, options: &LinkOptions) -> f64 
             2.0 * (length / a).sqrt()
         }
     };
-    let plunge = options.allowance + options.clearance;
+    let plunge = options.above(to.z) - to.z;
     leg(hop_z - from.z, options.rapid_z)
         + leg((to.xy() - from.xy()).norm(), options.rapid_xy)
         + leg((hop_z - to.z - plunge).max(0.0), options.rapid_z)
