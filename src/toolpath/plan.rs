@@ -9,6 +9,7 @@ use super::pass::{Pass, passes};
 use crate::feature::{GrowOptions, Regions, grow};
 use crate::field::{Metric, Ruler};
 use crate::geom::{Point, Vector2};
+use crate::part::Mesh;
 use crate::morse::{CriticalPoint, MorseOptions, critical_points};
 use crate::reach::{DropCutter, GridError, GridOptions, GridPlan, ToolCentreGrid};
 use crate::sweep::{Reachable, reachable, reachable_bytes};
@@ -121,9 +122,14 @@ pub fn flat_stepover(scallop: f64, radius: f64) -> f64 {
     (8.0 * scallop * radius - 4.0 * scallop * scallop).max(0.0).sqrt()
 }
 
-/// Step of the sweep map that resolves such a cusp, mm.
-pub fn sweep_step(scallop: f64, radius: f64) -> f64 {
-    flat_stepover(scallop, radius) / CELLS_PER_STEPOVER
+/// Cells of a sweep map at most, so that a large part is judged more coarsely rather than not at all.
+const CELLS: f64 = 24e6;
+
+/// Step of the sweep map over a part that resolves such a cusp, mm.
+pub fn sweep_step(cutter: &DropCutter, scallop: f64) -> f64 {
+    let (size, r) = (cutter.bounds().size(), cutter.radius());
+    let area = (size.x + 2.0 * r) * (size.y + 2.0 * r);
+    (flat_stepover(scallop, r) / CELLS_PER_STEPOVER).max((area / CELLS).sqrt())
 }
 
 /// Height differences that mean nothing: the larger of the cusp and half the height a grid step hides on gentle ground.
@@ -138,7 +144,7 @@ pub fn grid_step(options: &PlanOptions, radius: f64) -> f64 {
 
 /// Memory that planning will take at its peak beyond the part itself, so that it can be announced or refused first.
 pub fn planned_bytes(grid: &GridPlan, cutter: &DropCutter, scallop: f64) -> u64 {
-    grid.bytes + reachable_bytes(&cutter.bounds(), cutter.radius(), sweep_step(scallop, cutter.radius()))
+    grid.bytes + reachable_bytes(&cutter.bounds(), cutter.radius(), sweep_step(cutter, scallop))
 }
 
 /// Lays the tool-centre grid over a part and finds its critical points. `announce` hears the planned grid and the bytes that
@@ -182,8 +188,9 @@ pub fn features(ground: &Ground, options: &PlanOptions) -> Regions {
     grow(&ground.grid, &cusp, own.as_ref().unwrap_or(&cusp), &ground.critical, &how)
 }
 
-/// Plans the toolpath of a surveyed part. Also hands back the reachable surface it was judged against.
+/// Plans the toolpath of a surveyed part (`part` is the mesh its cutter was made from). Also hands back the reachable surface it was judged against.
 pub fn plan(
+    part: &Mesh,
     ground: &Ground,
     options: &PlanOptions,
     links: &LinkOptions,
@@ -196,7 +203,7 @@ pub fn plan(
     let fitting = FitOptions::for_scallop(options.scallop, cutter.radius());
     let mut all = passes(grid, cutter, &regions, &fitting);
     stage(Stage::Reachable);
-    let reach = reachable(cutter, sweep_step(options.scallop, cutter.radius()));
+    let reach = reachable(cutter, sweep_step(cutter, options.scallop));
     stage(Stage::Fill);
     let how = FillOptions { scallop: options.scallop, start: 1.03, keep: 0.75, rounds: 6 };
     let fill = fill(grid, cutter, &regions, &reach, &mut all, &how, &fitting);
@@ -204,6 +211,6 @@ pub fn plan(
     // Begin at the corner of the part nearest the operator's zero: lowest x and y, from above.
     let b = cutter.bounds();
     let ordered = order(all, Point::new(b.min.x, b.min.y, b.max.z + cutter.radius()));
-    let (toolpath, section_features) = link(cutter, &ordered, &regions, links, &fitting);
+    let (toolpath, section_features) = link(part, cutter, &ordered, &regions, links, &fitting);
     (Plan { regions, passes: ordered, fill, toolpath, section_features, fitting }, reach)
 }
