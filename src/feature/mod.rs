@@ -1,1 +1,11 @@
-//! To come.
+//! Freeform machining features: regions grown from critical points to their closest saddles, and what is left between them.
+//!
+//! Crosses the border: critical points, a ruler and the grid in; [`Regions`] out, each [`Feature`] with its own field and the levels
+//! to cut. Leaves the cutter to `reach`, and knows nothing of machines or moves.
+
+pub mod grow;
+pub mod leftover;
+pub mod region;
+
+pub use grow::{GrowOptions, grow};
+pub use region::{Feature, FeatureKind, Regions, Window};

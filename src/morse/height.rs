@@ -1,5 +1,9 @@
-//! The Morse function of stage one: the height of the ball's centre. The very thing the paper wants to keep calm is the
-//! vertical motion of the tool.
+//! The Morse function of stage one: the height of the point the ball touches.
+//!
+//! Inside, centre and contact are level together (both have a horizontal tangent plane exactly where the normal is upright), so
+//! this has the critical points of the centre height, the very thing the paper wants to keep calm. On the border it is the better
+//! one: a border centre is `p.z + R n.z` high, and `n.z` changes along the border and jumps from facet to facet, which moves edge
+//! pits by up to 0.8 mm on the test parts, loses one and invents four. The contact's height there is the part's own outline.
 
 use super::cancel::{peaks, pits};
 use super::critical::{CriticalKind, CriticalPoint, Link, Scalar, classify};
@@ -14,8 +18,8 @@ pub struct MorseOptions {
     pub persistence_mm: f64,
 }
 
-/// The heights that the link rule is applied to: the ground, and one ring of nodes beyond its border that carry the height *on*
-/// the border.
+/// The heights that the link rule is applied to: the ground, and one ring of nodes beyond its border that carry the contact's
+/// height *on* the border.
 ///
 /// Without that ring the border would be the staircase of the grid, and each step of it a false pit on a slope.
 #[derive(Clone, Debug)]
@@ -29,7 +33,7 @@ pub struct HeightField {
 impl HeightField {
     /// Reads the field off the grid.
     pub fn new(grid: &ToolCentreGrid) -> HeightField {
-        let mut value = grid.center_z.clone();
+        let mut value: Vec<f64> = grid.point.iter().map(|p| p.z).collect();
         let mut active: Vec<bool> = grid.kind.iter().map(|k| *k == NodeKind::Ground).collect();
         let mut nearest: Vec<f64> = vec![f64::INFINITY; grid.len()];
         for c in &grid.crossings {
@@ -39,14 +43,14 @@ impl HeightField {
             active[o] = true;
             if d < nearest[o] {
                 nearest[o] = d;
-                value[o] = c.contact.center.z;
+                value[o] = c.contact.point.z;
             }
         }
         HeightField { value, active }
     }
 }
 
-/// Critical points of the centre height: peaks by falling height, pits by rising height, saddles by falling height.
+/// Critical points of the contact height: peaks by falling height, pits by rising height, saddles by falling height.
 /// A saddle of several arms is listed once per arm too many.
 pub fn critical_points(grid: &ToolCentreGrid, options: &MorseOptions) -> Vec<CriticalPoint> {
     let field = HeightField::new(grid);
@@ -114,7 +118,8 @@ pub fn critical_points(grid: &ToolCentreGrid, options: &MorseOptions) -> Vec<Cri
 /// Half width, in steps, of the window a quadratic is fitted over: wide enough to see past the facets of the mesh.
 const WINDOW: i32 = 4;
 
-/// Places a critical node below the grid's step: inside by a least-squares quadratic of the heights round about, on the border
+/// Places a critical node below the grid's step: inside by a least-squares quadratic of the centre heights round about (smoother than the
+/// contacts, and level at the same place), on the border
 /// by the best of the border crossings nearby.
 fn refined(
     grid: &ToolCentreGrid,
@@ -185,7 +190,7 @@ fn on_border(grid: &ToolCentreGrid, kind: CriticalKind, node: usize) -> (Point, 
         .iter()
         .filter(|c| (c.contact.center.x - q.x).hypot(c.contact.center.y - q.y) <= near)
         .reduce(|a, b| {
-            let (za, zb) = (a.contact.center.z, b.contact.center.z);
+            let (za, zb) = (a.contact.point.z, b.contact.point.z);
             let better = if kind == CriticalKind::Maximum {
                 zb > za
             } else {

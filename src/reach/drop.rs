@@ -29,22 +29,12 @@ impl Contact {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Hint(Option<u32>);
 
-/// What each triangle costs to refuse: its plane, shifted up to where a ball's centre resting on it would be.
-#[derive(Clone, Copy, Debug)]
-struct Plane {
-    a: f64,
-    b: f64,
-    /// z of the shifted plane at the origin; +inf for upright triangles, whose plane holds nothing back.
-    k: f64,
-}
-
 /// A part made ready for one ball. Memory: about 200 bytes a triangle.
 #[derive(Debug)]
 pub struct DropCutter {
     radius: f64,
     bvh: Bvh,
     triangles: Vec<[Point; 3]>,
-    planes: Vec<Plane>,
     bounds: Box3,
     /// Rounding room in the pruning bounds, mm.
     slack: f64,
@@ -53,20 +43,18 @@ pub struct DropCutter {
 impl DropCutter {
     /// Sorts the part for queries with a ball of this radius (mm). O(n log n).
     pub fn new(mesh: &Mesh, radius: f64) -> DropCutter {
-        let bvh = Bvh::new(&mesh.triangles);
+        let bvh = Bvh::new(&mesh.triangles, radius);
         let triangles: Vec<[Point; 3]> = bvh
             .order
             .iter()
             .map(|&i| mesh.triangles[i as usize])
             .collect();
-        let planes = triangles.iter().map(|t| shifted_plane(t, radius)).collect();
         let bounds = mesh.bounds();
         let extent = bounds.size().norm() + radius + bounds.min.coords.norm().min(1e12);
         DropCutter {
             radius,
             bvh,
             triangles,
-            planes,
             bounds,
             slack: 1e-12 * extent,
         }
@@ -89,55 +77,51 @@ impl DropCutter {
 
     /// As [`DropCutter::drop`], starting from where the last ball rested.
     pub fn drop_near(&self, x: f64, y: f64, hint: &mut Hint) -> Option<Contact> {
-        let r2 = self.radius * self.radius;
+        let r = self.radius;
         // (height, mesh triangle, leaf position) of the best so far.
         let mut best: Option<(f64, u32, u32)> = None;
         if let Some(k) = hint.0 {
             self.offer(k, x, y, &mut best);
         }
+        let floor_of =
+            |best: &Option<(f64, u32, u32)>| best.map_or(f64::NEG_INFINITY, |b| b.0 - self.slack);
         if !self.bvh.nodes.is_empty() {
+            // The tree is balanced: its depth is the logarithm of the triangles, so 64 places never fill.
             let mut stack = [(0u32, 0.0f64); 64];
             let mut depth = 1;
             stack[0] = (0, f64::INFINITY);
             while depth > 0 {
                 depth -= 1;
                 let (index, bound) = stack[depth];
-                let floor = best.map_or(f64::NEG_INFINITY, |b| b.0 - self.slack);
-                if bound < floor {
+                if bound < floor_of(&best) {
                     continue;
                 }
                 let node = &self.bvh.nodes[index as usize];
                 if node.count > 0 {
                     for k in node.first..node.first + node.count {
-                        let floor = best.map_or(f64::NEG_INFINITY, |b| b.0 - self.slack);
-                        let i = k as usize;
-                        let plane = &self.planes[i];
-                        if plane.a * x + plane.b * y + plane.k < floor {
-                            continue;
+                        let bound = self.bvh.bounds[k as usize].height(x, y, r);
+                        if bound > f64::NEG_INFINITY && bound >= floor_of(&best) {
+                            self.offer(k, x, y, &mut best);
                         }
-                        let bound = self.bvh.slabs[i].bound(x, y, r2);
-                        if bound == f64::NEG_INFINITY || bound < floor {
-                            continue;
-                        }
-                        self.offer(k, x, y, &mut best);
                     }
                     continue;
                 }
-                let left = self.bvh.nodes[node.first as usize].slab.bound(x, y, r2);
-                let right = self.bvh.nodes[node.first as usize + 1].slab.bound(x, y, r2);
-                // The higher bound first: it raises the floor for the other. The tree is balanced, so 64 levels never fill.
+                let left = self.bvh.nodes[node.first as usize].bound.height(x, y, r);
+                let right = self.bvh.nodes[node.first as usize + 1]
+                    .bound
+                    .height(x, y, r);
+                // The higher bound first: it raises the floor for the other.
                 let ((near, nb), (far, fb)) = if left >= right {
                     ((node.first, left), (node.first + 1, right))
                 } else {
                     ((node.first + 1, right), (node.first, left))
                 };
-                if fb > f64::NEG_INFINITY && fb >= floor && depth < 63 {
-                    stack[depth] = (far, fb);
-                    depth += 1;
-                }
-                if nb > f64::NEG_INFINITY && nb >= floor && depth < 63 {
-                    stack[depth] = (near, nb);
-                    depth += 1;
+                let floor = floor_of(&best);
+                for (child, bound) in [(far, fb), (near, nb)] {
+                    if bound > f64::NEG_INFINITY && bound >= floor && depth < stack.len() {
+                        stack[depth] = (child, bound);
+                        depth += 1;
+                    }
                 }
             }
         }
@@ -163,32 +147,34 @@ impl DropCutter {
 
     /// Height of the highest point of the part on the vertical line through (x, y); `None` where the part casts no shadow.
     pub fn surface_z(&self, x: f64, y: f64) -> Option<f64> {
-        let mut best: Option<f64> = None;
-        self.over(x, y, |i| {
+        let mut best = f64::NEG_INFINITY;
+        self.over(x, y, f64::NEG_INFINITY, |i| {
             let t = &self.triangles[i];
             if inside_in_plan(t, x, y) {
-                let z = height_in_plan(t, x, y);
-                if best.is_none_or(|b| z > b) {
-                    best = Some(z);
-                }
+                best = best.max(height_in_plan(t, x, y));
             }
-            true
+            best
         });
-        best
+        (best > f64::NEG_INFINITY).then_some(best)
     }
 
     /// True when the part casts a shadow on (x, y).
     pub fn shades(&self, x: f64, y: f64) -> bool {
         let mut any = false;
-        self.over(x, y, |i| {
+        self.over(x, y, f64::NEG_INFINITY, |i| {
             any |= inside_in_plan(&self.triangles[i], x, y);
-            !any
+            if any {
+                f64::INFINITY
+            } else {
+                f64::NEG_INFINITY
+            }
         });
         any
     }
 
-    /// Calls `f` with the leaf position of each triangle whose box in plan holds (x, y), until it says false.
-    fn over(&self, x: f64, y: f64, mut f: impl FnMut(usize) -> bool) {
+    /// Calls `f` with the leaf position of each triangle whose box in plan holds (x, y) and reaches above `floor`; `f` answers the
+    /// new floor.
+    fn over(&self, x: f64, y: f64, mut floor: f64, mut f: impl FnMut(usize) -> f64) {
         if self.bvh.nodes.is_empty() {
             return;
         }
@@ -197,16 +183,17 @@ impl DropCutter {
         while depth > 0 {
             depth -= 1;
             let node = &self.bvh.nodes[stack[depth] as usize];
-            if !node.slab.holds(x, y) {
+            if node.bound.top() <= floor || !node.bound.holds(x, y) {
                 continue;
             }
             if node.count > 0 {
                 for k in node.first..node.first + node.count {
-                    if self.bvh.slabs[k as usize].holds(x, y) && !f(k as usize) {
-                        return;
+                    let b = &self.bvh.bounds[k as usize];
+                    if b.top() > floor && b.holds(x, y) {
+                        floor = floor.max(f(k as usize));
                     }
                 }
-            } else if depth < 62 {
+            } else if depth + 1 < stack.len() {
                 stack[depth] = node.first;
                 stack[depth + 1] = node.first + 1;
                 depth += 2;
@@ -231,28 +218,6 @@ impl DropCutter {
         let p = &contact.point;
         RING.iter()
             .any(|(u, v)| !self.shades(p.x + reach * u, p.y + reach * v))
-    }
-}
-
-fn shifted_plane(t: &[Point; 3], radius: f64) -> Plane {
-    let mut n = Mesh::doubled_area_vector(t);
-    if n.z < 0.0 {
-        n = -n;
-    }
-    let len = n.norm();
-    // Near-upright planes are ill-conditioned as a height over (x, y): let the box do the pruning.
-    if n.z <= 1e-3 * len || len <= 0.0 {
-        return Plane {
-            a: 0.0,
-            b: 0.0,
-            k: f64::INFINITY,
-        };
-    }
-    let (a, b) = (-n.x / n.z, -n.y / n.z);
-    Plane {
-        a,
-        b,
-        k: t[0].z - a * t[0].x - b * t[0].y + radius * len / n.z,
     }
 }
 

@@ -1,0 +1,303 @@
+//! Passes: level curves of a feature, trimmed to the ground that is its own, and the loop along the part's border.
+
+use super::fit::{FitOptions, fit, resample, rest, smooth};
+use crate::feature::{Feature, Regions};
+use crate::field::level_curves;
+use crate::geom::{Point, Point2};
+use crate::reach::{Contact, DropCutter, Hint, NodeKind, ToolCentreGrid};
+use rayon::prelude::*;
+
+/// Why a pass is there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum PassKind {
+    /// Along the part's border, the contact on the border itself.
+    Border,
+    /// A level curve of a feature.
+    Level,
+    /// Where the others left too high a cusp.
+    Fill,
+}
+
+/// One continuous run of cutting.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pass {
+    /// Why it is there.
+    pub kind: PassKind,
+    /// The feature it belongs to: an index into [`Regions::features`]; `None` for a border that no feature holds.
+    pub feature: Option<usize>,
+    /// Places of the ball's centre, work coordinates, mm.
+    pub points: Vec<Point>,
+    /// It returns to its first point (which is not repeated).
+    pub closed: bool,
+}
+
+impl Pass {
+    /// Length, mm.
+    pub fn length(&self) -> f64 {
+        let close = if self.closed {
+            self.points
+                .first()
+                .zip(self.points.last())
+                .map_or(0.0, |(a, b)| (a - b).norm())
+        } else {
+            0.0
+        };
+        close
+            + self
+                .points
+                .windows(2)
+                .map(|w| (w[1] - w[0]).norm())
+                .sum::<f64>()
+    }
+
+    /// As an open run: a closed pass ends where it began.
+    pub fn run(&self) -> Vec<Point> {
+        let mut p = self.points.clone();
+        if self.closed
+            && let Some(first) = self.points.first()
+        {
+            p.push(*first);
+        }
+        p
+    }
+}
+
+/// Passes run on this far (in passes) into ground already taken, so that they end on its rim for certain.
+const OVERLAP: f64 = 0.1;
+
+/// Level passes of all features and the border loops. All cores; the order does not depend on them.
+pub fn passes(
+    grid: &ToolCentreGrid,
+    cutter: &DropCutter,
+    regions: &Regions,
+    fitting: &FitOptions,
+) -> Vec<Pass> {
+    let mut out: Vec<Pass> = border(grid, cutter, regions, fitting);
+    for (index, feature) in regions.features.iter().enumerate() {
+        let curves = trimmed_levels(grid, feature);
+        let fitted: Vec<Vec<Pass>> = curves
+            .par_iter()
+            .map(|(curve, closed)| {
+                // Grid noise is shorter than two steps: even it out before it becomes jerk.
+                let mut even = resample(curve, *closed, 0.7 * grid.step);
+                smooth(&mut even, *closed, 2);
+                on_ground(grid, cutter, &even, *closed)
+                    .into_iter()
+                    .flat_map(|(piece, closed)| laid(cutter, &piece, closed, fitting))
+                    .map(|(points, closed)| Pass {
+                        kind: PassKind::Level,
+                        feature: Some(index),
+                        points,
+                        closed,
+                    })
+                    .collect()
+            })
+            .collect();
+        out.extend(fitted.into_iter().flatten());
+    }
+    out
+}
+
+/// Drops and fits one curve in plan; a closed curve that stays whole comes back closed.
+pub fn laid(
+    cutter: &DropCutter,
+    curve: &[Point2],
+    closed: bool,
+    fitting: &FitOptions,
+) -> Vec<(Vec<Point>, bool)> {
+    let mut open = curve.to_vec();
+    if closed && let Some(first) = curve.first() {
+        open.push(*first);
+    }
+    let mut runs = fit(cutter, &open, fitting);
+    if closed && runs.len() == 1 && runs[0].len() > 3 {
+        runs[0].pop();
+        return vec![(runs.swap_remove(0), true)];
+    }
+    runs.into_iter().map(|r| (r, false)).collect()
+}
+
+/// Level curves of a feature in plan, cut off where the ground was taken before.
+fn trimmed_levels(grid: &ToolCentreGrid, feature: &Feature) -> Vec<(Vec<Point2>, bool)> {
+    let value = |n: usize| feature.field.at(grid, n);
+    let mut out = Vec::new();
+    for curve in level_curves(grid, &value, &feature.levels) {
+        let at: Vec<(Point2, f64)> = curve
+            .at
+            .iter()
+            .map(|e| {
+                let free = e.value(|n| {
+                    let f = feature.free.at(grid, n);
+                    if f.is_finite() { f } else { -1.0 }
+                });
+                (e.xy(grid), free + OVERLAP)
+            })
+            .collect();
+        out.extend(kept(&at, curve.closed));
+    }
+    out
+}
+
+/// The runs of a curve along which a scalar is not negative, cut where it changes sign.
+fn kept(at: &[(Point2, f64)], closed: bool) -> Vec<(Vec<Point2>, bool)> {
+    if at.iter().all(|a| a.1 >= 0.0) {
+        return vec![(at.iter().map(|a| a.0).collect(), closed)];
+    }
+    let n = at.len();
+    // A closed curve is walked from a place that is cut away, so that no run is split at its seam.
+    let start = if closed {
+        at.iter().position(|a| a.1 < 0.0).unwrap_or(0)
+    } else {
+        0
+    };
+    let steps = if closed { n + 1 } else { n };
+    let mut out = Vec::new();
+    let mut run: Vec<Point2> = Vec::new();
+    let mut last: Option<(Point2, f64)> = None;
+    for k in 0..steps {
+        let (p, f) = at[(start + k) % n];
+        if let Some((q, g)) = last
+            && (f >= 0.0) != (g >= 0.0)
+        {
+            run.push(q + (p - q) * (g / (g - f)));
+            if f < 0.0 {
+                out.push((std::mem::take(&mut run), false));
+            }
+        }
+        if f >= 0.0 {
+            run.push(p);
+        }
+        last = Some((p, f));
+    }
+    if !run.is_empty() {
+        out.push((run, false));
+    }
+    out.retain(|r| r.0.len() > 1);
+    out
+}
+
+/// The runs of a curve on which the ball rests on the part rather than rolls round its outline, ended on the border exactly.
+fn on_ground(
+    grid: &ToolCentreGrid,
+    cutter: &DropCutter,
+    curve: &[Point2],
+    closed: bool,
+) -> Vec<(Vec<Point2>, bool)> {
+    let mut hint = Hint::default();
+    let reach = grid.outline_reach();
+    let mut ask = |q: &Point2| -> bool {
+        // Deep inside there is nothing to ask.
+        let near = grid.nearest(q.x, q.y);
+        let inner = near.is_some_and(|n| {
+            (-1..=1).all(|dy| {
+                (-1..=1).all(|dx| {
+                    grid.neighbour(n, (dx, dy))
+                        .is_some_and(|j| grid.kind[j] == NodeKind::Ground)
+                })
+            })
+        });
+        inner
+            || cutter
+                .drop_near(q.x, q.y, &mut hint)
+                .is_some_and(|c: Contact| !cutter.on_outline(&c, reach))
+    };
+    let good: Vec<bool> = curve.iter().map(&mut ask).collect();
+    if good.iter().all(|g| *g) {
+        return vec![(curve.to_vec(), closed)];
+    }
+    let n = curve.len();
+    let start = if closed {
+        good.iter().position(|g| !g).unwrap_or(0)
+    } else {
+        0
+    };
+    let steps = if closed { n + 1 } else { n };
+    let mut out: Vec<(Vec<Point2>, bool)> = Vec::new();
+    let mut run: Vec<Point2> = Vec::new();
+    let mut last: Option<usize> = None;
+    for k in 0..steps {
+        let i = (start + k) % n;
+        if let Some(j) = last
+            && good[i] != good[j]
+        {
+            let (mut inside, mut outside) = if good[i] {
+                (curve[i], curve[j])
+            } else {
+                (curve[j], curve[i])
+            };
+            while (outside - inside).norm() > 5e-4 {
+                let m = nalgebra::center(&inside, &outside);
+                if ask(&m) { inside = m } else { outside = m }
+            }
+            run.push(inside);
+            if !good[i] {
+                out.push((std::mem::take(&mut run), false));
+            }
+        }
+        if good[i] {
+            run.push(curve[i]);
+        }
+        last = Some(i);
+    }
+    if !run.is_empty() {
+        out.push((run, false));
+    }
+    out
+}
+
+/// Loops along the border of the ground, through the border crossings of the grid.
+fn border(
+    grid: &ToolCentreGrid,
+    cutter: &DropCutter,
+    regions: &Regions,
+    fitting: &FitOptions,
+) -> Vec<Pass> {
+    let value = |n: usize| {
+        if grid.kind[n] == NodeKind::Ground {
+            1.0
+        } else {
+            0.0
+        }
+    };
+    let crossing = |a: u32, b: u32| -> Option<Point2> {
+        let inside = if grid.kind[a as usize] == NodeKind::Ground {
+            a
+        } else {
+            b
+        };
+        let outside = a ^ b ^ inside;
+        let from = grid.crossings.partition_point(|c| c.inside < inside);
+        grid.crossings[from..]
+            .iter()
+            .take_while(|c| c.inside == inside)
+            .find(|c| c.outside == outside)
+            .map(|c| c.contact.center.xy())
+    };
+    let mut out = Vec::new();
+    for curve in level_curves(grid, &value, &[0.5]) {
+        let at: Vec<Point2> = curve.at.iter().filter_map(|e| crossing(e.a, e.b)).collect();
+        let feature = curve
+            .at
+            .iter()
+            .flat_map(|e| [e.a, e.b])
+            .map(|n| regions.label[n as usize])
+            .find(|l| *l > 0)
+            .map(|l| l as usize - 1);
+        let mut even = resample(&at, curve.closed, 0.7 * grid.step);
+        // Border centres jump from facet to facet with their normals; rolling a little round the outline costs nothing.
+        smooth(&mut even, curve.closed, 4);
+        let mut hint = Hint::default();
+        even.retain(|q| rest(cutter, q.x, q.y, &mut hint).is_some());
+        for (points, closed) in laid(cutter, &even, curve.closed, fitting) {
+            if points.len() > 1 {
+                out.push(Pass {
+                    kind: PassKind::Border,
+                    feature,
+                    points,
+                    closed,
+                });
+            }
+        }
+    }
+    out
+}
