@@ -1,0 +1,247 @@
+//! How deep a ball with its shank stands in the part: the exact measure behind every suspected gouge.
+//!
+//! ```text
+//!      | ray |      the tool is everything within R of the vertical ray that begins at the ball's centre:
+//!      |  |  |      depth = R - distance(ray, part); the ray runs into the part: R + distance(centre, part)
+//!      '._c_.'
+//! ```
+
+use crate::geom::{Point, Point2, Vector};
+use crate::part::Mesh;
+
+/// A part's triangles sorted into square buckets in plan.
+pub struct Depth<'a> {
+    mesh: &'a Mesh,
+    radius: f64,
+    origin: Point2,
+    size: f64,
+    nx: usize,
+    ny: usize,
+    starts: Vec<u32>,
+    members: Vec<u32>,
+}
+
+impl<'a> Depth<'a> {
+    /// Sorts the part for a ball of this radius, mm.
+    pub fn new(mesh: &'a Mesh, radius: f64) -> Depth<'a> {
+        let b = mesh.bounds();
+        let (w, h) = (b.size().x, b.size().y);
+        let size = (0.25 * radius).max(w.max(h) / 1500.0).max(1e-6);
+        let (nx, ny) = ((w / size) as usize + 1, (h / size) as usize + 1);
+        let mut d = Depth {
+            mesh,
+            radius,
+            origin: if b.is_empty() {
+                Point2::origin()
+            } else {
+                b.min.xy()
+            },
+            size,
+            nx,
+            ny,
+            starts: vec![0; nx * ny + 1],
+            members: Vec::new(),
+        };
+        let mut count = vec![0u32; nx * ny];
+        for t in &mesh.triangles {
+            d.buckets(t, |b| count[b] += 1);
+        }
+        let mut sum = 0;
+        for (b, c) in count.iter().enumerate() {
+            sum += c;
+            d.starts[b + 1] = sum;
+        }
+        let mut at = d.starts.clone();
+        let mut members = vec![0u32; sum as usize];
+        for (i, t) in mesh.triangles.iter().enumerate() {
+            d.buckets(t, |b| {
+                members[at[b] as usize] = i as u32;
+                at[b] += 1;
+            });
+        }
+        d.members = members;
+        d
+    }
+
+    fn span(&self, lo: f64, hi: f64, origin: f64, n: usize) -> std::ops::RangeInclusive<usize> {
+        let at = |v: f64| (((v - origin) / self.size).max(0.0) as usize).min(n - 1);
+        at(lo)..=at(hi)
+    }
+
+    fn buckets(&self, t: &[Point; 3], mut f: impl FnMut(usize)) {
+        let lo = t[0].inf(&t[1]).inf(&t[2]);
+        let hi = t[0].sup(&t[1]).sup(&t[2]);
+        for by in self.span(lo.y, hi.y, self.origin.y, self.ny) {
+            for bx in self.span(lo.x, hi.x, self.origin.x, self.nx) {
+                f(by * self.nx + bx);
+            }
+        }
+    }
+
+    /// How deep the tool with its ball's centre at `c` stands in the part, mm; zero or less when it only touches or not even that.
+    pub fn at(&self, c: &Point) -> f64 {
+        let r = self.radius;
+        let mut ray = f64::INFINITY;
+        let mut ball = f64::INFINITY;
+        let mut pierced = false;
+        for by in self.span(c.y - r, c.y + r, self.origin.y, self.ny) {
+            for bx in self.span(c.x - r, c.x + r, self.origin.x, self.nx) {
+                let b = by * self.nx + bx;
+                for &i in &self.members[self.starts[b] as usize..self.starts[b + 1] as usize] {
+                    let t = &self.mesh.triangles[i as usize];
+                    if t.iter().all(|p| p.z < c.z - r) {
+                        continue;
+                    }
+                    let near = nearest(t, c);
+                    let d = (near - c).norm();
+                    ball = ball.min(d);
+                    if near.z <= c.z {
+                        ray = ray.min(d);
+                    }
+                    let above = beside(t, c);
+                    pierced |= above == 0.0;
+                    ray = ray.min(above);
+                }
+            }
+        }
+        if pierced { r + ball } else { r - ray }
+    }
+}
+
+/// Distance in plan from c to the part of a triangle at or above c; `+inf` if there is none.
+fn beside(t: &[Point; 3], c: &Point) -> f64 {
+    // Cut off what is below: at most four corners stay.
+    let mut kept = [Vector::zeros(); 4];
+    let mut n = 0;
+    for k in 0..3 {
+        let (a, b) = (t[k] - c, t[(k + 1) % 3] - c);
+        if a.z >= 0.0 && n < 4 {
+            kept[n] = a;
+            n += 1;
+        }
+        if (a.z >= 0.0) != (b.z >= 0.0) && n < 4 {
+            kept[n] = a + (b - a) * (a.z / (a.z - b.z));
+            n += 1;
+        }
+    }
+    let corners = &kept[..n];
+    let mut best = f64::INFINITY;
+    let (mut left, mut right) = (true, true);
+    let mut area = 0.0;
+    for (k, a) in corners.iter().enumerate() {
+        let b = &corners[(k + 1) % n];
+        let e = (b - a).xy();
+        let cross = a.x * b.y - a.y * b.x;
+        area += cross;
+        left &= cross >= 0.0;
+        right &= cross <= 0.0;
+        let t = if e.norm_squared() > 0.0 {
+            (-a.xy().dot(&e) / e.norm_squared()).clamp(0.0, 1.0)
+        } else {
+            0.0
+        };
+        best = best.min((a.xy() + e * t).norm());
+    }
+    // The origin lies inside when it is on the same side of all edges of a polygon that has an area.
+    if n >= 3 && area != 0.0 && (left || right) {
+        0.0
+    } else {
+        best
+    }
+}
+
+/// The point of a triangle nearest to c (by the regions of its corners, edges and face).
+fn nearest(t: &[Point; 3], c: &Point) -> Point {
+    let (ab, ac, ap) = (t[1] - t[0], t[2] - t[0], c - t[0]);
+    let (d1, d2) = (ab.dot(&ap), ac.dot(&ap));
+    let (aa, bb, cross) = (ab.dot(&ab), ac.dot(&ac), ab.dot(&ac));
+    let det = aa * bb - cross * cross;
+    if det > 0.0 {
+        let v = (bb * d1 - cross * d2) / det;
+        let w = (aa * d2 - cross * d1) / det;
+        if v >= 0.0 && w >= 0.0 && v + w <= 1.0 {
+            return t[0] + ab * v + ac * w;
+        }
+    }
+    let mut best = t[0];
+    let mut best_sq = f64::INFINITY;
+    for k in 0..3 {
+        let (a, e) = (t[k], t[(k + 1) % 3] - t[k]);
+        let l = e.norm_squared();
+        let s = if l > 0.0 {
+            ((c - a).dot(&e) / l).clamp(0.0, 1.0)
+        } else {
+            0.0
+        };
+        let p = a + e * s;
+        let d = (p - c).norm_squared();
+        if d < best_sq {
+            best_sq = d;
+            best = p;
+        }
+    }
+    best
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
+        /// Points scattered over the triangle find nothing deeper, and something nearly as deep.
+        #[test]
+        fn one_triangle_by_sampling(v in prop::collection::vec(-2.0..2.0f64, 12)) {
+            let p = |k: usize| Point::new(v[k], v[k + 1], v[k + 2]);
+            let t = [p(0), p(3), p(6)];
+            let c = p(9);
+            let r = 1.5;
+            let mesh = Mesh { triangles: vec![t] };
+            let depth = Depth::new(&mesh, r).at(&c);
+            let mut ray = f64::INFINITY;
+            for i in 0..=150 {
+                for j in 0..=150 - i {
+                    let (a, b) = (f64::from(i) / 150.0, f64::from(j) / 150.0);
+                    let q = t[0] + (t[1] - t[0]) * a + (t[2] - t[0]) * b;
+                    let below = (c.z - q.z).max(0.0);
+                    ray = ray.min(((q.x - c.x).powi(2) + (q.y - c.y).powi(2) + below * below).sqrt());
+                }
+            }
+            // Where the ray meets the triangle the depth counts from the other side; far triangles may be left out.
+            if depth < r && r - ray > 0.0 {
+                prop_assert!(r - ray <= depth + 1e-9 && depth < r - ray + 0.05, "{depth} {}", r - ray);
+            } else if depth < r {
+                prop_assert!(depth < 0.05);
+            } else {
+                prop_assert!(ray < 0.05);
+            }
+        }
+    }
+
+    #[test]
+    fn floors_walls_and_depths() {
+        let p = Point::new;
+        let mesh = Mesh {
+            triangles: vec![
+                [p(-9.0, -9.0, 0.0), p(9.0, -9.0, 0.0), p(0.0, 9.0, 0.0)],
+                // An upright wall at x = 4, from the floor to z = 10.
+                [p(4.0, -9.0, 0.0), p(4.0, 9.0, 0.0), p(4.0, 0.0, 10.0)],
+            ],
+        };
+        let d = Depth::new(&mesh, 3.0);
+        let near = |c: Point, want: f64| {
+            let got = d.at(&c);
+            assert!((got - want).abs() < 1e-12, "{c}: {got} for {want}");
+        };
+        near(p(0.0, 0.0, 3.0), 0.0);
+        near(p(0.0, 0.0, 2.9), 0.1);
+        near(p(0.0, 0.0, -1.0), 4.0);
+        // Beside the wall one micrometre too near, with the wall's top far above: one micrometre, not the wall's height.
+        near(p(1.001, 0.0, 3.0), 0.001);
+        // The shank counts as well: the ball below the wall's foot would pass, its shank does not.
+        assert!(d.at(&p(1.5, 0.0, 9.0)) > 0.49);
+        assert!(d.at(&p(0.0, 0.0, 20.0)) <= 0.0);
+    }
+}

@@ -1,0 +1,121 @@
+//! Every centre the program commands, against the part itself: not through any height map, so as exact as the triangles.
+
+use super::depth::Depth;
+use super::dry_run::PartContext;
+use super::material::Move;
+use crate::geom::Point;
+use crate::reach::Hint;
+use rayon::prelude::*;
+
+/// Centres are tried this close together along a move, mm: between two of them a chord over ground as sharp as an edge (the
+/// centre then turns on the ball's own radius) hides at most step^2 / (8 R), 0.4 um for a 6 mm ball.
+const STEP: f64 = 0.1;
+/// Vertical shortfalls below this are not looked into, mm: no gouge is deeper than its vertical shortfall.
+const IGNORED: f64 = 2e-4;
+
+/// The deepest gouge.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gouge {
+    /// Along the normal, mm.
+    pub depth: f64,
+    /// The ball's centre there.
+    pub center: Point,
+    /// Line of the program.
+    pub line: usize,
+}
+
+/// A centre below its resting height.
+#[derive(Clone, Copy)]
+struct Suspect {
+    /// By how much, vertically: an upper bound of the depth.
+    low: f64,
+    /// The same along the normal of the resting contact: a guess at the depth.
+    guess: f64,
+    center: Point,
+    line: usize,
+}
+
+/// The deepest gouge of all moves; `None` when no centre lies lower than the ball can rest.
+pub fn deepest(moves: &[Move], part: &PartContext) -> Option<Gouge> {
+    let radius = part.drop.radius();
+    let ceiling = part.drop.bounds().max.z + radius;
+    let mut suspects: Vec<Suspect> = moves
+        .par_chunks(128)
+        .flat_map_iter(|chunk| {
+            let mut hint = Hint::default();
+            let mut out = Vec::new();
+            for m in chunk {
+                let (a, b) = (m.segment.from, m.segment.to);
+                if a.z >= ceiling && b.z >= ceiling {
+                    continue;
+                }
+                let d = b - a;
+                let n = (d.norm() / STEP).ceil().clamp(1.0, 1e7) as usize;
+                let mut kept: Option<(Suspect, Suspect)> = None;
+                for k in 0..=n {
+                    let c = if k == n {
+                        b
+                    } else {
+                        a + d * (k as f64 / n as f64)
+                    };
+                    if c.z >= ceiling {
+                        continue;
+                    }
+                    let Some(rest) = part.drop.drop_near(c.x, c.y, &mut hint) else {
+                        continue;
+                    };
+                    let low = rest.center.z - c.z;
+                    if low <= IGNORED {
+                        continue;
+                    }
+                    let s = Suspect {
+                        low,
+                        guess: low * rest.normal_z(),
+                        center: c,
+                        line: m.line,
+                    };
+                    // The likeliest and the lowest of each move are looked into.
+                    kept = Some(kept.map_or((s, s), |(g, l)| {
+                        (
+                            if s.guess > g.guess { s } else { g },
+                            if s.low > l.low { s } else { l },
+                        )
+                    }));
+                }
+                if let Some((g, l)) = kept {
+                    out.push(g);
+                    if l.center != g.center {
+                        out.push(l);
+                    }
+                }
+            }
+            out
+        })
+        .collect();
+    if suspects.is_empty() {
+        return None;
+    }
+    // Likeliest first; a stable sort keeps program order among equals.
+    suspects.sort_by(|a, b| b.guess.total_cmp(&a.guess));
+    let depth = Depth::new(part.mesh, radius);
+    let mut best: Option<Gouge> = None;
+    for chunk in suspects.chunks(256) {
+        let floor = best.map_or(0.0, |b| b.depth);
+        let found: Vec<Option<Gouge>> = chunk
+            .par_iter()
+            .map(|s| {
+                (s.low > floor).then(|| Gouge {
+                    depth: depth.at(&s.center),
+                    center: s.center,
+                    line: s.line,
+                })
+            })
+            .collect();
+        for g in found.into_iter().flatten() {
+            if g.depth > best.map_or(0.0, |b| b.depth) {
+                best = Some(g);
+            }
+        }
+    }
+    best
+}

@@ -1,0 +1,167 @@
+//! The stock as it is cut, in program order: what the ball sweeps, and where a rapid meets what still stands.
+
+use super::dry_run::{PartContext, Stock};
+use super::report::ProgramFigures;
+use crate::gcode::{Event, Motion, MotionKind};
+use crate::geom::{Point, Vector};
+use crate::kinematics::chords;
+use crate::sweep::{Encounter, Segment, Swept};
+use crate::units::Mm;
+
+/// Arcs become chords within this, mm.
+const FLATTEN: f64 = 5e-4;
+
+/// A straight piece of the way of the ball's centre, work coordinates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Move {
+    pub segment: Segment,
+    pub rapid: bool,
+    pub line: usize,
+}
+
+/// All moves whose place is known, and the way in figures. Where the tool stands before the program first moves an axis is not in
+/// the text: until all three axes have been told, only the ends of rapids are known. The same holds after moves in machine
+/// coordinates and after probing.
+pub fn moves(events: &[Event], radius: f64) -> (Vec<Move>, ProgramFigures) {
+    let up = Vector::new(0.0, 0.0, radius);
+    let mut out = Vec::new();
+    let mut f = ProgramFigures::default();
+    let mut known = [false; 3];
+    // A feed motion came last, and no rapid has risen since.
+    let mut in_work = false;
+    for event in events {
+        let m: &Motion = match event {
+            Event::Motion(m) => m,
+            Event::Probe { .. } => {
+                known = [false; 3];
+                continue;
+            }
+            _ => continue,
+        };
+        if m.machine_coordinates {
+            known = [false; 3];
+            in_work = false;
+            continue;
+        }
+        let rapid = m.kind == MotionKind::Rapid;
+        let before = known.iter().all(|k| *k) || !rapid;
+        for (a, k) in known.iter_mut().enumerate() {
+            *k |= !rapid || m.to[a] != m.from[a];
+        }
+        let after = known.iter().all(|k| *k);
+        let mut push = |from: Point, to: Point| {
+            out.push(Move {
+                segment: Segment {
+                    from: from + up,
+                    to: to + up,
+                },
+                rapid,
+                line: m.line,
+            });
+            (to - from).norm()
+        };
+        let mut length = 0.0;
+        if before {
+            match &m.arc {
+                Some(arc) => {
+                    let mut from = m.from;
+                    for to in chords(&m.from, &m.to, arc, Mm(FLATTEN)) {
+                        length += push(from, to);
+                        from = to;
+                    }
+                }
+                None => length += push(m.from, m.to),
+            }
+        } else if after {
+            push(m.to, m.to);
+        }
+        if rapid {
+            f.rapid_mm += length;
+            if in_work && m.to.z > m.from.z {
+                f.retracts += 1;
+                in_work = false;
+            }
+        } else {
+            f.cut_mm += length;
+            in_work = true;
+        }
+    }
+    (out, f)
+}
+
+/// A rapid that met standing stock.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Collision {
+    pub line: usize,
+    pub encounter: Encounter,
+}
+
+/// What the program leaves.
+pub struct Cut {
+    pub swept: Swept,
+    /// The moves at feed.
+    pub segments: Vec<Segment>,
+    /// One for each line at most, in program order.
+    pub collisions: Vec<Collision>,
+}
+
+/// Height of the stock over each cell before the first move; `-inf` where there is none.
+pub fn stock(part: &PartContext, stock: &Stock) -> Vec<f64> {
+    let r = part.reachable;
+    let b = part.drop.bounds();
+    (0..r.lattice.len())
+        .map(|i| match *stock {
+            Stock::Allowance(mm) => {
+                if r.part_z[i].is_nan() || !r.reach_z[i].is_finite() {
+                    f64::NEG_INFINITY
+                } else {
+                    // Measured along the normal, so more on slopes; five times as much at most.
+                    r.reach_z[i] + mm / f64::from(r.normal_z[i]).max(0.2)
+                }
+            }
+            Stock::Block { top_z } => {
+                let c = r.lattice.center_at(i);
+                let over = c.x >= b.min.x && c.x <= b.max.x && c.y >= b.min.y && c.y <= b.max.y;
+                if over { top_z } else { f64::NEG_INFINITY }
+            }
+        })
+        .collect()
+}
+
+/// Cuts all moves in order. `tolerance`: a rapid may touch the stock this deep, mm.
+pub fn cut(moves: &[Move], part: &PartContext, stock: &[f64], tolerance: f64) -> Cut {
+    let radius = part.drop.radius();
+    let top = stock.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let mut out = Cut {
+        swept: Swept::new(part.reachable.lattice),
+        segments: Vec::with_capacity(moves.len()),
+        collisions: Vec::new(),
+    };
+    let mut done = 0;
+    for m in moves {
+        if !m.rapid {
+            out.segments.push(m.segment);
+            continue;
+        }
+        if m.segment.from.z.min(m.segment.to.z) - radius >= top {
+            continue;
+        }
+        out.swept.cut(&out.segments[done..], radius);
+        done = out.segments.len();
+        if let Some(encounter) = out.swept.encounter(stock, m.segment, radius, tolerance) {
+            match out.collisions.last_mut() {
+                Some(last) if last.line == m.line => {
+                    if encounter.depth > last.encounter.depth {
+                        last.encounter = encounter;
+                    }
+                }
+                _ => out.collisions.push(Collision {
+                    line: m.line,
+                    encounter,
+                }),
+            }
+        }
+    }
+    out.swept.cut(&out.segments[done..], radius);
+    out
+}

@@ -1,0 +1,153 @@
+//! The dry run's result, as people and machines read it. Names carry the units; serialised names are stable.
+
+use crate::sweep::{CuspMap, FinishStats};
+use serde::Serialize;
+
+/// What a dry run found out.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct DryRun {
+    /// The text in figures.
+    pub program: ProgramFigures,
+    /// How long it takes.
+    pub time_s: TimeFigures,
+    /// Where the tool tip goes.
+    pub extents: Extents,
+    /// The surface left; `None` when no part was given.
+    pub finish: Option<FinishStats>,
+    /// Acceptable or not.
+    pub verdict: Verdict,
+    /// Why not; empty when it passed.
+    pub problems: Vec<Problem>,
+    /// What is worth knowing but no reason to refuse.
+    pub warnings: Vec<Problem>,
+    /// What this verdict says nothing about.
+    pub not_modelled: Vec<String>,
+    /// Cusp by cell, for pictures.
+    #[serde(skip)]
+    pub map: Option<CuspMap>,
+}
+
+impl DryRun {
+    /// True when nothing speaks against running the program.
+    pub fn passed(&self) -> bool {
+        self.verdict == Verdict::Pass
+    }
+}
+
+/// The verdict.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Verdict {
+    /// No problem found in what was judged.
+    Pass,
+    /// At least one problem.
+    Fail,
+}
+
+impl std::fmt::Display for Verdict {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Verdict::Pass => "pass",
+            Verdict::Fail => "fail",
+        })
+    }
+}
+
+/// What sort of problem.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Kind {
+    /// The text cannot be read.
+    Syntax,
+    /// Beyond what the machine can do.
+    Limit,
+    /// Spindle not turning, or at a speed it has not.
+    Spindle,
+    /// Cut into the part.
+    Gouge,
+    /// A rapid move through standing stock.
+    Collision,
+    /// Cusps higher than asked for.
+    Scallop,
+    /// Ground not cut.
+    Uncut,
+    /// Feed faster than the machine goes.
+    Feed,
+    /// Nothing in the text moves, or nothing could be judged.
+    Nothing,
+}
+
+impl std::fmt::Display for Kind {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Kind::Syntax => "syntax",
+            Kind::Limit => "limit",
+            Kind::Spindle => "spindle",
+            Kind::Gouge => "gouge",
+            Kind::Collision => "collision",
+            Kind::Scallop => "scallop",
+            Kind::Uncut => "uncut",
+            Kind::Feed => "feed",
+            Kind::Nothing => "nothing",
+        })
+    }
+}
+
+/// One reason.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Problem {
+    /// What sort.
+    pub kind: Kind,
+    /// Line of the program, from 1; `None` when no single line is to blame.
+    pub line: Option<usize>,
+    /// A sentence for people: what, how much, what to do.
+    pub text: String,
+}
+
+impl std::fmt::Display for Problem {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self.line {
+            Some(line) => write!(f, "{} (line {line}): {}", self.kind, self.text),
+            None => write!(f, "{}: {}", self.kind, self.text),
+        }
+    }
+}
+
+/// The text in figures.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct ProgramFigures {
+    /// Lines of text.
+    pub lines: usize,
+    /// Bytes of text.
+    pub bytes: usize,
+    /// Way at feed, mm.
+    pub cut_mm: f64,
+    /// Way at rapid speed, mm. The way from the unknown start to the first place is not in it.
+    pub rapid_mm: f64,
+    /// How often the tool leaves the work by a rapid move upwards.
+    pub retracts: usize,
+}
+
+/// Machine time, s, for a machine that is never kept waiting for a line.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct TimeFigures {
+    /// All of it: the sum of the others.
+    pub total: f64,
+    /// Moves at feed.
+    pub cutting: f64,
+    /// Rapid moves.
+    pub air: f64,
+    /// Commanded pauses.
+    pub dwell: f64,
+    /// The firmware's settling after standstills.
+    pub idle: f64,
+}
+
+/// Box around all places of the tool tip in work coordinates, mm; the unknown start is left out. `None`: nothing moves.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Extents {
+    /// Lowest x, y, z.
+    pub min: Option<[f64; 3]>,
+    /// Highest x, y, z.
+    pub max: Option<[f64; 3]>,
+}
