@@ -380,7 +380,7 @@ fn job(a: &MillArgs, s: &Settings, placement: &Placement, ground: &Ground, plann
             "cusps planned at {:.1} um, grid step {:.3} mm, filled where over {:.1} um",
             plan::PLAN_SHARE * a.tool.scallop * um,
             ground.grid.step,
-            1.03 * a.tool.scallop * um
+            plan::FILL_START * a.tool.scallop * um
         ),
     ];
     Job {
