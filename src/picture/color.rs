@@ -59,7 +59,7 @@ pub fn ramp(t: f64) -> Rgb {
         [178, 219, 99],
         [250, 238, 150],
     ];
-    let s = t.clamp(0.0, 1.0) * (STOPS.len() - 1) as f64;
+    let s = if t.is_nan() { 0.0 } else { t.clamp(0.0, 1.0) } * (STOPS.len() - 1) as f64;
     let k = (s as usize).min(STOPS.len() - 2);
     mix(STOPS[k], STOPS[k + 1], s - k as f64)
 }
@@ -78,7 +78,11 @@ pub fn linear(c: Rgb) -> [f32; 3] {
 /// Linear light to screen colour, overexposure rolled off.
 pub fn screen(c: [f32; 3]) -> Rgb {
     c.map(|v| {
-        let v = if v > 0.8 { 0.8 + 0.2 * (1.0 - (-(v - 0.8) * 5.0).exp()) } else { v.max(0.0) };
+        let v = if v > 0.8 {
+            0.8 + 0.2 * (1.0 - (-(v - 0.8) * 5.0).exp())
+        } else {
+            v.max(0.0)
+        };
         (v.powf(1.0 / 2.2) * 255.0).round().clamp(0.0, 255.0) as u8
     })
 }

@@ -28,7 +28,9 @@ pub enum PictureError {
     #[error("nothing to draw: the {0} raster has no values")]
     Nothing(&'static str),
     /// A raster whose values do not fill its grid, or whose step is not above zero.
-    #[error("the {0} raster is inconsistent: its values do not fill its nodes, or its step is not above zero")]
+    #[error(
+        "the {0} raster is inconsistent: its values do not fill its nodes, or its step is not above zero"
+    )]
     Raster(&'static str),
     /// A size that cannot be drawn.
     #[error("a picture of {0} x {1} pixels cannot be made: ask for a width of 400 to 4000")]

@@ -36,7 +36,10 @@ impl<T: Copy> Raster<T> {
 
     /// Place in grid units: 0 at the first node.
     pub fn grid_place(&self, p: Point2) -> (f64, f64) {
-        ((p.x - self.origin.x) / self.step, (p.y - self.origin.y) / self.step)
+        (
+            (p.x - self.origin.x) / self.step,
+            (p.y - self.origin.y) / self.step,
+        )
     }
 
     /// The same values at wider nodes, so that no side has more than about `most`: every k-th node.
@@ -62,52 +65,67 @@ impl Raster<f32> {
         let (x, y) = self.grid_place(p);
         // A place on the last line belongs to the cell before it.
         let cell = |t: f64, n: usize| (t.floor() as i64).clamp(0, (n as i64 - 2).max(0));
-        if !(x >= -1e-6 && y >= -1e-6 && x <= self.nx as f64 - 1.0 + 1e-6 && y <= self.ny as f64 - 1.0 + 1e-6) {
+        if !(x >= -1e-6
+            && y >= -1e-6
+            && x <= self.nx as f64 - 1.0 + 1e-6
+            && y <= self.ny as f64 - 1.0 + 1e-6)
+        {
             return f32::NAN;
         }
         let (i, j) = (cell(x, self.nx), cell(y, self.ny));
         let (u, v) = ((x - i as f64) as f32, (y - j as f64) as f32);
         let at = |a: i64, b: i64| self.get(i + a, j + b).unwrap_or(f32::NAN);
-        (at(0, 0) * (1.0 - u) + at(1, 0) * u) * (1.0 - v) + (at(0, 1) * (1.0 - u) + at(1, 1) * u) * v
+        (at(0, 0) * (1.0 - u) + at(1, 0) * u) * (1.0 - v)
+            + (at(0, 1) * (1.0 - u) + at(1, 1) * u) * v
     }
 
     /// Smallest and largest value; none if all are NaN or infinite.
     pub fn range(&self) -> Option<(f32, f32)> {
-        self.values.iter().filter(|v| v.is_finite()).fold(None, |r, &v| match r {
-            None => Some((v, v)),
-            Some((a, b)) => Some((a.min(v), b.max(v))),
-        })
+        self.values
+            .iter()
+            .filter(|v| v.is_finite())
+            .fold(None, |r, &v| match r {
+                None => Some((v, v)),
+                Some((a, b)) => Some((a.min(v), b.max(v))),
+            })
     }
 
     /// Mean over the window of `2 r + 1` nodes squared, NaN left out.
     pub fn blurred(&self, r: usize) -> Raster<f32> {
-        let pass = |values: &[(f64, f64)], n: usize, stride: usize, rows: usize, row_stride: usize| {
-            let mut out = vec![(0.0, 0.0); values.len()];
-            for row in 0..rows {
-                let at = |k: usize| row * row_stride + k * stride;
-                let (mut sum, mut weight) = (0.0, 0.0);
-                for k in 0..n + r {
-                    if k < n {
-                        let (s, w) = values[at(k)];
-                        sum += s;
-                        weight += w;
-                    }
-                    if k > 2 * r {
-                        let (s, w) = values[at(k - 2 * r - 1)];
-                        sum -= s;
-                        weight -= w;
-                    }
-                    if k >= r {
-                        out[at(k - r)] = (sum, weight);
+        let pass =
+            |values: &[(f64, f64)], n: usize, stride: usize, rows: usize, row_stride: usize| {
+                let mut out = vec![(0.0, 0.0); values.len()];
+                for row in 0..rows {
+                    let at = |k: usize| row * row_stride + k * stride;
+                    let (mut sum, mut weight) = (0.0, 0.0);
+                    for k in 0..n + r {
+                        if k < n {
+                            let (s, w) = values[at(k)];
+                            sum += s;
+                            weight += w;
+                        }
+                        if k > 2 * r {
+                            let (s, w) = values[at(k - 2 * r - 1)];
+                            sum -= s;
+                            weight -= w;
+                        }
+                        if k >= r {
+                            out[at(k - r)] = (sum, weight);
+                        }
                     }
                 }
-            }
-            out
-        };
+                out
+            };
         let start: Vec<(f64, f64)> = self
             .values
             .iter()
-            .map(|v| if v.is_finite() { (f64::from(*v), 1.0) } else { (0.0, 0.0) })
+            .map(|v| {
+                if v.is_finite() {
+                    (f64::from(*v), 1.0)
+                } else {
+                    (0.0, 0.0)
+                }
+            })
             .collect();
         let along_x = pass(&start, self.nx, 1, self.ny, self.nx);
         let both = pass(&along_x, self.ny, self.nx, self.nx, 1);
@@ -136,7 +154,11 @@ impl Raster<u16> {
         let mut best = (0, 0.0);
         for (label, _) in corners {
             let Some(label) = label else { continue };
-            let weight: f64 = corners.iter().filter(|c| c.0 == Some(label)).map(|c| c.1).sum();
+            let weight: f64 = corners
+                .iter()
+                .filter(|c| c.0 == Some(label))
+                .map(|c| c.1)
+                .sum();
             if weight > best.1 {
                 best = (label, weight);
             }
@@ -156,7 +178,9 @@ mod tests {
             step: 0.5,
             nx: 5,
             ny: 4,
-            values: (0..20).map(|k| (k % 5) as f32 * 0.5 + (k / 5) as f32).collect(),
+            values: (0..20)
+                .map(|k| (k % 5) as f32 * 0.5 + (k / 5) as f32)
+                .collect(),
         }
     }
 
@@ -186,7 +210,13 @@ mod tests {
 
     #[test]
     fn labels_follow_the_majority() {
-        let r = Raster { origin: Point2::new(0.0, 0.0), step: 1.0, nx: 2, ny: 2, values: vec![1u16, 2, 2, 2] };
+        let r = Raster {
+            origin: Point2::new(0.0, 0.0),
+            step: 1.0,
+            nx: 2,
+            ny: 2,
+            values: vec![1u16, 2, 2, 2],
+        };
         assert_eq!(r.label_at(Point2::new(0.1, 0.1)), 1);
         assert_eq!(r.label_at(Point2::new(0.5, 0.5)), 2);
         assert_eq!(r.label_at(Point2::new(-5.0, 0.5)), 0);
