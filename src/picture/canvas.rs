@@ -246,7 +246,6 @@ impl Canvas {
         for c in words.chars() {
             let (strokes, advance) = glyph(c);
             for s in &strokes {
-                // Round letters stand a shade narrower than their lattice; pixels fall where they may.
                 let p: Vec<[f32; 2]> = s
                     .points
                     .iter()

@@ -141,19 +141,24 @@ impl Depths {
             let end = ((high - 0.5).floor() + 1.0).clamp(0.0, most as f64) as usize;
             first..end
         };
+        // Weight of corner k and the depth are linear in x and y: w = a + b x + c y, taken at sub-pixel middles.
+        let plane = |a: usize, b: usize| {
+            let (bx, by) = (-(p[b][1] - p[a][1]) / area, (p[b][0] - p[a][0]) / area);
+            [-(bx * p[a][0] + by * p[a][1]) + 0.5 * (bx + by), bx, by]
+        };
+        let w = [plane(1, 2), plane(2, 0), plane(0, 1)];
+        let depth = [0, 1, 2].map(|i| w[0][i] * p[0][2] + w[1][i] * p[1][2] + w[2][i] * p[2][2]);
         let columns = reach(0, self.width);
         for y in reach(1, self.height) {
+            let fy = y as f64;
+            let row = w.map(|w| w[0] + w[2] * fy);
+            let row_depth = depth[0] + depth[2] * fy;
             for x in columns.clone() {
-                let (fx, fy) = (x as f64 + 0.5, y as f64 + 0.5);
-                let edge = |a: usize, b: usize| {
-                    ((p[b][0] - p[a][0]) * (fy - p[a][1]) - (p[b][1] - p[a][1]) * (fx - p[a][0]))
-                        / area
-                };
-                let w = [edge(1, 2), edge(2, 0), edge(0, 1)];
-                if w.iter().any(|w| *w < -1e-9) {
+                let fx = x as f64;
+                if (0..3).any(|k| row[k] + w[k][1] * fx < -1e-9) {
                     continue;
                 }
-                let d = (w[0] * p[0][2] + w[1] * p[1][2] + w[2] * p[2][2]) as f32;
+                let d = (row_depth + depth[1] * fx) as f32;
                 let k = y * self.width + x;
                 if d > self.depth[k] {
                     self.depth[k] = d;

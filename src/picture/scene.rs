@@ -118,6 +118,8 @@ pub struct Scene<'a> {
     pub features: &'a [(u16, String)],
     /// Critical points.
     pub markers: &'a [Marker],
+    /// Height of the part's underside, mm, where it has one; else a slab is drawn.
+    pub floor: Option<f64>,
     /// Where the eye is.
     pub view: View,
     /// Width of the picture, 400 to 4000 pixels; the height follows.
@@ -157,7 +159,11 @@ fn draw(scene: &Scene<'_>, lines: Option<&[Line]>) -> Result<Vec<u8>, PictureErr
     let (low, high) = heights.range().ok_or(PictureError::Nothing("height"))?;
     let (low, high) = (f64::from(low), f64::from(high));
     let size = heights.step * heights.nx.max(heights.ny) as f64;
-    let floor = low - (0.07 * size).max(0.12 * (high - low));
+    let slab = low - (0.07 * size).max(0.12 * (high - low));
+    let floor = scene
+        .floor
+        .filter(|f| f.is_finite() && *f <= low)
+        .unwrap_or(slab);
 
     let mut camera = Camera::new(scene.view);
     let width = f64::from(scene.width_px);
@@ -260,7 +266,13 @@ fn frame_up(
     camera.offset = [left - scale * low[0], TOP + HEADROOM - scale * low[1]];
     // The legend needs its room too.
     let rows = scene.features.len().min(16) + 14;
-    (TOP + HEADROOM + scale * span[1] + FOOT)
+    // From above nothing is free at the lower left, where the axes stand.
+    let foot = if camera.toward.z > 0.999 {
+        FOOT + 34.0
+    } else {
+        FOOT
+    };
+    (TOP + HEADROOM + scale * span[1] + foot)
         .max(TOP + 24.0 * rows as f64)
         .min(3000.0)
         .round()
@@ -582,6 +594,7 @@ mod tests {
             labels: None,
             features: &[],
             markers,
+            floor: None,
             view: View::default(),
             width_px: 600,
         }
