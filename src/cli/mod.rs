@@ -1,9 +1,83 @@
-//! The command line: the only place that prints, asks or names files.
+//! The command line: the only place that prints, asks or names files. One file a subcommand.
+//!
+//! Exit codes, a contract: 0 clean; 1 the program or the job is not acceptable (gouge, over-scallop, limit, alarm, refused line);
+//! 2 the command could not be carried out (unreadable file, bad flag, no port). Results go to stdout, progress and complaints to stderr.
 
+pub mod args;
+pub mod features;
 pub mod machines;
+pub mod mill;
+pub mod output;
 pub mod posts;
+mod progress;
+mod show;
 
-/// Runs the program; the exit code is 0 clean, 1 not acceptable, 2 could not be carried out.
-pub fn main() -> std::process::ExitCode {
-    std::process::ExitCode::from(2)
+use clap::{Parser, Subcommand};
+use std::process::ExitCode;
+
+/// From a freeform part to chips on a 3-axis mill: Morse features, constant-cusp ball-end passes, proven G-code.
+#[derive(Debug, Parser)]
+#[command(name = "morsemill", version, about, max_term_width = 100)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+    /// Threads to use; 0 = all cores. The result does not depend on it
+    #[arg(long, global = true, default_value_t = 0)]
+    threads: usize,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// From a part to a proven program: features, passes, G-code, dry run, verdict
+    Mill(Box<mill::MillArgs>),
+    /// The part's critical points and machining features, without a program
+    Features(Box<features::FeaturesArgs>),
+    /// The machines that come with the program
+    Machines,
+    /// The G-code dialects that come with the program
+    Posts,
+}
+
+/// Why a command ended badly.
+#[derive(Debug)]
+pub enum Failure {
+    /// The program or job is not acceptable: exit 1.
+    Rejected(String),
+    /// The command could not be carried out: exit 2.
+    Failed(String),
+}
+
+impl Failure {
+    /// A command that could not be carried out, with its reason.
+    pub fn failed(e: impl std::fmt::Display) -> Failure {
+        Failure::Failed(e.to_string())
+    }
+}
+
+/// Runs the program.
+pub fn main() -> ExitCode {
+    let cli = Cli::parse();
+    if cli.threads > 0
+        && let Err(e) = rayon::ThreadPoolBuilder::new().num_threads(cli.threads).build_global()
+    {
+        eprintln!("morsemill: {} threads cannot be started: {e}", cli.threads);
+        return ExitCode::from(2);
+    }
+    let outcome = match cli.command {
+        Command::Mill(a) => mill::run(&a),
+        Command::Features(a) => features::run(&a),
+        Command::Machines => output::to_stdout(|w| machines::run(w)),
+        Command::Posts => output::to_stdout(|w| posts::run(w)),
+    };
+    match outcome {
+        Ok(code) => code,
+        Err(Failure::Rejected(text)) => {
+            eprintln!("morsemill: {text}");
+            ExitCode::from(1)
+        }
+        Err(Failure::Failed(text)) => {
+            eprintln!("morsemill: {text}");
+            ExitCode::from(2)
+        }
+    }
 }

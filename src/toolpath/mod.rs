@@ -14,9 +14,11 @@ pub mod link;
 pub mod moves;
 pub mod order;
 pub mod pass;
+pub mod plan;
 mod skeleton;
 
 pub use fit::FitOptions;
 pub use link::LinkOptions;
 pub use moves::{Move, MoveKind, Section, Toolpath};
 pub use pass::{Pass, PassKind};
+pub use plan::{Ground, Plan, PlanOptions, Stage, Strategy};

@@ -1,0 +1,216 @@
+//! The whole shape half in one call: a placed part in, a proven toolpath out, with everything seen on the way.
+
+use super::fill::{FillOptions, FillReport, fill};
+use super::fit::FitOptions;
+use super::link::{LinkOptions, link};
+use super::moves::Toolpath;
+use super::order::order;
+use super::pass::{Pass, passes};
+use crate::feature::{GrowOptions, Regions, grow};
+use crate::field::{Metric, Ruler};
+use crate::geom::{Point, Vector2};
+use crate::part::Mesh;
+use crate::morse::{CriticalPoint, MorseOptions, critical_points};
+use crate::reach::{DropCutter, GridError, GridOptions, GridPlan, ToolCentreGrid};
+use crate::sweep::{Reachable, reachable, reachable_bytes};
+
+/// How passes are spaced.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Strategy {
+    /// Equal cusps everywhere.
+    IsoScallop,
+    /// Equal distance on the part.
+    IsoPickFeed,
+    /// Plane sections; the angle of the passes from X, degrees.
+    Isoplanar(f64),
+}
+
+impl Strategy {
+    /// The word used on the command line and in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Strategy::IsoScallop => "iso-scallop",
+            Strategy::IsoPickFeed => "iso-pick-feed",
+            Strategy::Isoplanar(_) => "isoplanar",
+        }
+    }
+
+    fn ruler(self) -> Ruler {
+        match self {
+            Strategy::IsoScallop => Ruler::IsoScallop,
+            Strategy::IsoPickFeed => Ruler::IsoPickFeed,
+            Strategy::Isoplanar(degrees) => {
+                // Distance is measured across the passes.
+                let (s, c) = degrees.to_radians().sin_cos();
+                Ruler::Isoplanar(Vector2::new(-s, c))
+            }
+        }
+    }
+}
+
+/// What to plan. Every figure must be finite; `scallop` above zero and below the radius.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlanOptions {
+    /// Cusp height that may be left, mm.
+    pub scallop: f64,
+    /// How passes are spaced.
+    pub strategy: Strategy,
+    /// Step of the tool-centre grid, mm; `None` = a fifth of the flat stepover.
+    pub grid_step: Option<f64>,
+    /// Critical points that differ less than this are noise, mm; `None` = [`default_persistence`].
+    pub persistence: Option<f64>,
+    /// Most memory that grids may take.
+    pub memory_limit_bytes: u64,
+}
+
+/// Stages of planning, in order; for progress and timing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// Sorting triangles, dropping the ball on the grid.
+    Reach,
+    /// Critical points.
+    Morse,
+    /// Metric, fields, features.
+    Features,
+    /// Passes dropped and fitted.
+    Passes,
+    /// The surface the ball can reach, for judging.
+    Reachable,
+    /// Sweeping and filling.
+    Fill,
+    /// Order and links.
+    Link,
+}
+
+/// Cusps are planned at this share of what is wanted: what the field, the fit and the rounding still take.
+pub const PLAN_SHARE: f64 = 0.95;
+/// Cells of the sweep map in a flat stepover: a cusp between two cells is then seen within a few percent.
+pub const CELLS_PER_STEPOVER: f64 = 14.0;
+
+/// The shape a plan is made of, independent of the strategy.
+#[derive(Debug)]
+pub struct Ground {
+    /// The part, ready for this ball.
+    pub cutter: DropCutter,
+    /// The tool-centre surface.
+    pub grid: ToolCentreGrid,
+    /// Critical points of it.
+    pub critical: Vec<CriticalPoint>,
+    /// Persistence below which they were cancelled, mm.
+    pub persistence: f64,
+}
+
+/// A planned job.
+#[derive(Debug)]
+pub struct Plan {
+    /// Features.
+    pub regions: Regions,
+    /// Passes in cutting order.
+    pub passes: Vec<Pass>,
+    /// What the closed loop did.
+    pub fill: FillReport,
+    /// Moves of the tool tip.
+    pub toolpath: Toolpath,
+    /// The feature of each section of the toolpath.
+    pub section_features: Vec<Option<usize>>,
+    /// Tolerances the passes were fitted with.
+    pub fitting: FitOptions,
+}
+
+/// Stepover that leaves a cusp of `scallop` on the flat, mm.
+pub fn flat_stepover(scallop: f64, radius: f64) -> f64 {
+    (8.0 * scallop * radius - 4.0 * scallop * scallop).max(0.0).sqrt()
+}
+
+/// Cells of a sweep map at most, so that a large part is judged more coarsely rather than not at all.
+const CELLS: f64 = 24e6;
+
+/// Step of the sweep map over a part that resolves such a cusp, mm.
+pub fn sweep_step(cutter: &DropCutter, scallop: f64) -> f64 {
+    let (size, r) = (cutter.bounds().size(), cutter.radius());
+    let area = (size.x + 2.0 * r) * (size.y + 2.0 * r);
+    (flat_stepover(scallop, r) / CELLS_PER_STEPOVER).max((area / CELLS).sqrt())
+}
+
+/// Height differences that mean nothing: the larger of the cusp and half the height a grid step hides on gentle ground.
+pub fn default_persistence(scallop: f64, grid_step: f64, radius: f64) -> f64 {
+    scallop.max(grid_step * grid_step / (2.0 * radius))
+}
+
+/// Step of the tool-centre grid these options lead to, mm.
+pub fn grid_step(options: &PlanOptions, radius: f64) -> f64 {
+    options.grid_step.unwrap_or_else(|| flat_stepover(options.scallop, radius) / 5.0)
+}
+
+/// Memory that planning will take at its peak beyond the part itself, so that it can be announced or refused first.
+pub fn planned_bytes(grid: &GridPlan, cutter: &DropCutter, scallop: f64) -> u64 {
+    grid.bytes + reachable_bytes(&cutter.bounds(), cutter.radius(), sweep_step(cutter, scallop))
+}
+
+/// Lays the tool-centre grid over a part and finds its critical points. `announce` hears the planned grid and the bytes that
+/// planning will take, before they are taken.
+pub fn survey(
+    cutter: DropCutter,
+    options: &PlanOptions,
+    announce: &mut dyn FnMut(&GridPlan, u64),
+    stage: &mut dyn FnMut(Stage),
+) -> Result<Ground, GridError> {
+    stage(Stage::Reach);
+    let step = grid_step(options, cutter.radius());
+    let how = GridOptions { step, memory_limit_bytes: options.memory_limit_bytes };
+    let plan = GridPlan::new(&cutter, &how)?;
+    let bytes = planned_bytes(&plan, &cutter, options.scallop);
+    if bytes > options.memory_limit_bytes {
+        return Err(GridError::TooLarge {
+            nx: plan.size[0] as u64,
+            ny: plan.size[1] as u64,
+            step,
+            need_mib: bytes >> 20,
+            limit_mib: options.memory_limit_bytes >> 20,
+        });
+    }
+    announce(&plan, bytes);
+    let grid = ToolCentreGrid::new(&cutter, &plan)?;
+    stage(Stage::Morse);
+    let persistence =
+        options.persistence.unwrap_or_else(|| default_persistence(options.scallop, step, cutter.radius()));
+    let critical = critical_points(&grid, &MorseOptions { persistence_mm: persistence });
+    Ok(Ground { cutter, grid, critical, persistence })
+}
+
+/// Grows the features of a surveyed part.
+pub fn features(ground: &Ground, options: &PlanOptions) -> Regions {
+    let h = PLAN_SHARE * options.scallop;
+    let ruler = options.strategy.ruler();
+    let cusp = Metric::new(&ground.grid, Ruler::IsoScallop, h);
+    let own = (ruler != Ruler::IsoScallop).then(|| Metric::new(&ground.grid, ruler, h));
+    let how = GrowOptions { ruler, passes_min: 2.0, margin: 5.0, over_share: 0.005 };
+    grow(&ground.grid, &cusp, own.as_ref().unwrap_or(&cusp), &ground.critical, &how)
+}
+
+/// Plans the toolpath of a surveyed part (`part` is the mesh its cutter was made from). Also hands back the reachable surface it was judged against.
+pub fn plan(
+    part: &Mesh,
+    ground: &Ground,
+    options: &PlanOptions,
+    links: &LinkOptions,
+    stage: &mut dyn FnMut(Stage),
+) -> (Plan, Reachable) {
+    let (grid, cutter) = (&ground.grid, &ground.cutter);
+    stage(Stage::Features);
+    let regions = features(ground, options);
+    stage(Stage::Passes);
+    let fitting = FitOptions::for_scallop(options.scallop, cutter.radius());
+    let mut all = passes(grid, cutter, &regions, &fitting);
+    stage(Stage::Reachable);
+    let reach = reachable(cutter, sweep_step(cutter, options.scallop));
+    stage(Stage::Fill);
+    let how = FillOptions { scallop: options.scallop, start: 1.03, keep: 0.75, rounds: 6 };
+    let fill = fill(grid, cutter, &regions, &reach, &mut all, &how, &fitting);
+    stage(Stage::Link);
+    // Begin at the corner of the part nearest the operator's zero: lowest x and y, from above.
+    let b = cutter.bounds();
+    let ordered = order(all, Point::new(b.min.x, b.min.y, b.max.z + cutter.radius()));
+    let (toolpath, section_features) = link(part, cutter, &ordered, &regions, links, &fitting);
+    (Plan { regions, passes: ordered, fill, toolpath, section_features, fitting }, reach)
+}
