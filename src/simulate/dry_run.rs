@@ -1,8 +1,9 @@
 //! One call: text in, verdict out.
 
 use super::report::{DryRun, Extents, Kind, Problem, ProgramFigures, TimeFigures, Verdict};
-use super::{gouge, limits, material};
-use crate::gcode::{Dialect, Event, Program, interpret};
+use super::start::Read;
+use super::{gouge, limits, material, start};
+use crate::gcode::{Dialect, Event};
 use crate::geom::Box3;
 use crate::kinematics::{Settings, program_time};
 use crate::machine::Machine;
@@ -105,7 +106,7 @@ pub fn dry_run(
         not_modelled: Vec::new(),
         map: None,
     };
-    match interpret(text, dialect) {
+    match start::read(text, dialect) {
         Ok(program) => run(&program, machine, part, options, &mut report),
         Err(errors) => {
             report.problems.extend(errors.iter().map(|e| Problem {
@@ -125,7 +126,7 @@ pub fn dry_run(
 }
 
 fn run(
-    program: &Program,
+    program: &Read,
     machine: &Machine,
     part: Option<&PartContext>,
     options: &DryRunOptions,
@@ -136,7 +137,7 @@ fn run(
     report.problems.extend(limits.problems);
     report.warnings.extend(limits.warnings);
 
-    let times = program_time(&program.events, &Settings::from(machine));
+    let times = program_time(&program.at_zero.events, &Settings::from(machine));
     report.time_s = TimeFigures {
         total: times.total.0,
         cutting: times.cutting.0,
@@ -219,7 +220,7 @@ fn judge(
     let gouge = gouge::deepest(moves, part);
     let mut line = None;
     if let Some(g) = gouge
-        && 1e3 * g.depth >= stats.gouge_um_max
+        && 1e3 * g.depth >= stats.gouge_um_max - 0.05
     {
         stats.gouge_um_max = 1e3 * g.depth;
         stats.gouge_at = Some([g.center.x, g.center.y, g.center.z - radius]);
@@ -302,7 +303,7 @@ fn verdict(
 }
 
 fn say_what_is_missing(
-    program: &Program,
+    program: &Read,
     part: Option<&PartContext>,
     machine_moves: bool,
     report: &mut DryRun,
@@ -327,7 +328,14 @@ fn say_what_is_missing(
             "moves in machine coordinates (G53, G28, G30): only their ends are compared with the travels",
         );
     }
-    let s = &program.end_state;
+    for (axis, assumed) in ["X", "Y", "Z"].iter().zip(program.assumed) {
+        if assumed {
+            say(&format!(
+                "{axis} is not told before the first cut: it is taken to start at 0"
+            ));
+        }
+    }
+    let s = &program.at_zero.end_state;
     if s.work_offset != 0 || s.offset().norm() != 0.0 {
         say(
             "changes of the work offset (G55 to G59, G10, G92, G43.1): all places are taken as if in one system",

@@ -1,6 +1,7 @@
 //! Does the program fit the machine: travels, rates, spindle.
 
 use super::report::{Extents, Kind, Problem};
+use super::start::Places;
 use crate::gcode::{Event, Motion, MotionKind};
 use crate::geom::{Box3, Point};
 use crate::kinematics::chords;
@@ -48,9 +49,9 @@ fn travels(events: &[Event], machine: &Machine, out: &mut Limits) {
             }
         }
     };
-    let mut placed = [false; 3];
+    let mut places = Places::default();
     for event in events {
-        let (Event::Motion(m) | Event::Probe { motion: m, .. }) = event else {
+        let Some((m, _, known)) = places.follow(event) else {
             continue;
         };
         if m.machine_coordinates {
@@ -58,7 +59,7 @@ fn travels(events: &[Event], machine: &Machine, out: &mut Limits) {
             // Machine zero is at one end of each axis, on either side by the maker's taste.
             for a in 0..3 {
                 let beyond = m.to[a].abs() - machine.travel[a].0;
-                if beyond > FIT {
+                if m.to[a] != m.from[a] && beyond > FIT {
                     out.problems.push(Problem {
                         kind: Kind::Limit,
                         line: Some(m.line),
@@ -69,21 +70,19 @@ fn travels(events: &[Event], machine: &Machine, out: &mut Limits) {
                     });
                 }
             }
-            placed = [false; 3];
             continue;
         }
-        // Where an axis stood before it was first told to move is not in the text.
-        for (a, known) in placed.iter_mut().enumerate() {
-            *known |= m.to[a] != m.from[a] || m.kind == MotionKind::Feed;
-        }
+        // NaN grows no box.
         let mut p = m.to;
         for a in 0..3 {
-            if !placed[a] {
+            if !known[a] {
                 p[a] = f64::NAN;
             }
         }
         grow(&p, m.line);
-        if let Some(arc) = &m.arc {
+        if let Some(arc) = &m.arc
+            && known == [true; 3]
+        {
             for c in chords(&m.from, &m.to, arc, Mm(0.001)) {
                 grow(&c, m.line);
             }

@@ -2,7 +2,8 @@
 
 use super::dry_run::{PartContext, Stock};
 use super::report::ProgramFigures;
-use crate::gcode::{Event, Motion, MotionKind};
+use super::start::Places;
+use crate::gcode::{Event, MotionKind};
 use crate::geom::{Point, Vector};
 use crate::kinematics::chords;
 use crate::sweep::{Encounter, Segment, Swept};
@@ -19,36 +20,25 @@ pub struct Move {
     pub line: usize,
 }
 
-/// All moves whose place is known, and the way in figures. Where the tool stands before the program first moves an axis is not in
-/// the text: until all three axes have been told, only the ends of rapids are known. The same holds after moves in machine
-/// coordinates and after probing.
+/// All moves whose place is known, and the way in figures. `events` begin at [`UNKNOWN`](super::start::UNKNOWN) on the axes whose
+/// start the text does not tell: until all three axes have been told, only the ends of moves are known. The same holds after
+/// moves in machine coordinates and after probing.
 pub fn moves(events: &[Event], radius: f64) -> (Vec<Move>, ProgramFigures) {
     let up = Vector::new(0.0, 0.0, radius);
     let mut out = Vec::new();
     let mut f = ProgramFigures::default();
-    let mut known = [false; 3];
+    let mut places = Places::default();
     // A feed motion came last, and no rapid has risen since.
     let mut in_work = false;
     for event in events {
-        let m: &Motion = match event {
-            Event::Motion(m) => m,
-            Event::Probe { .. } => {
-                known = [false; 3];
-                continue;
-            }
-            _ => continue,
+        let Some((m, from_known, to_known)) = places.follow(event) else {
+            continue;
         };
         if m.machine_coordinates {
-            known = [false; 3];
             in_work = false;
             continue;
         }
         let rapid = m.kind == MotionKind::Rapid;
-        let before = known.iter().all(|k| *k) || !rapid;
-        for (a, k) in known.iter_mut().enumerate() {
-            *k |= !rapid || m.to[a] != m.from[a];
-        }
-        let after = known.iter().all(|k| *k);
         let mut push = |from: Point, to: Point| {
             out.push(Move {
                 segment: Segment {
@@ -61,7 +51,7 @@ pub fn moves(events: &[Event], radius: f64) -> (Vec<Move>, ProgramFigures) {
             (to - from).norm()
         };
         let mut length = 0.0;
-        if before {
+        if from_known.iter().all(|k| *k) {
             match &m.arc {
                 Some(arc) => {
                     let mut from = m.from;
@@ -72,7 +62,7 @@ pub fn moves(events: &[Event], radius: f64) -> (Vec<Move>, ProgramFigures) {
                 }
                 None => length += push(m.from, m.to),
             }
-        } else if after {
+        } else if to_known.iter().all(|k| *k) {
             push(m.to, m.to);
         }
         if rapid {

@@ -18,6 +18,7 @@ mod gouge;
 mod limits;
 mod material;
 pub mod report;
+mod start;
 
 pub use dry_run::{DryRunOptions, PartContext, Stock, dry_run};
 pub use report::{DryRun, Extents, Kind, Problem, ProgramFigures, TimeFigures, Verdict};
