@@ -28,6 +28,9 @@ pub struct HeightField {
     pub value: Vec<f64>,
     /// Ground and the ring beyond it.
     pub active: Vec<bool>,
+    /// Roughness of the border, mm: the standard deviation of its heights about planes fitted along it, by their median. A few
+    /// micrometres on a clean mesh, the noise of the scanner on a scanned one.
+    pub roughness: f64,
 }
 
 impl HeightField {
@@ -35,25 +38,93 @@ impl HeightField {
     pub fn new(grid: &ToolCentreGrid) -> HeightField {
         let mut value: Vec<f64> = grid.point.iter().map(|p| p.z).collect();
         let mut active: Vec<bool> = grid.kind.iter().map(|k| *k == NodeKind::Ground).collect();
+        let smooth = evened(grid);
+        let mut off: Vec<f64> = grid
+            .crossings
+            .iter()
+            .zip(&smooth)
+            .map(|(c, z)| (c.contact.point.z - z).abs())
+            .collect();
+        off.sort_unstable_by(f64::total_cmp);
+        // The median of |x| of a normal distribution is 0.6745 standard deviations.
+        let roughness = off.get(off.len() / 2).map_or(0.0, |m| m / 0.6745);
         let mut nearest: Vec<f64> = vec![f64::INFINITY; grid.len()];
-        for c in &grid.crossings {
+        for (c, z) in grid.crossings.iter().zip(smooth) {
             let o = c.outside as usize;
             let q = grid.xy(o);
             let d = (c.contact.center.x - q.x).hypot(c.contact.center.y - q.y);
             active[o] = true;
             if d < nearest[o] {
                 nearest[o] = d;
-                value[o] = c.contact.point.z;
+                value[o] = z;
             }
         }
-        HeightField { value, active }
+        HeightField {
+            value,
+            active,
+            roughness,
+        }
     }
+}
+
+/// How far along the border its heights are evened out, in steps of the grid: about a stepover.
+const BORDER_REACH: f64 = 5.0;
+
+/// Heights of the border crossings, evened out: at each the value of a plane fitted to the crossings nearby. A ball rolling over a
+/// scanned edge hops from bump to bump; a plane keeps slopes and corners as they are.
+fn evened(grid: &ToolCentreGrid) -> Vec<f64> {
+    let reach = BORDER_REACH * grid.step;
+    let places: Vec<(i64, i64, u32)> = {
+        let cell = |v: f64| (v / reach).floor() as i64;
+        let mut p: Vec<_> = grid
+            .crossings
+            .iter()
+            .enumerate()
+            .map(|(i, c)| (cell(c.contact.point.y), cell(c.contact.point.x), i as u32))
+            .collect();
+        p.sort_unstable();
+        p
+    };
+    let bucket = |y: i64, x0: i64, x1: i64| {
+        let from = places.partition_point(|p| (p.0, p.1) < (y, x0));
+        places[from..]
+            .iter()
+            .take_while(move |p| p.0 == y && p.1 <= x1)
+            .map(|p| p.2 as usize)
+    };
+    let mut out = vec![0.0; grid.crossings.len()];
+    for &(cy, cx, i) in &places {
+        let at = &grid.crossings[i as usize].contact.point;
+        let mut ata = SMatrix::<f64, 3, 3>::zeros();
+        let mut atb = SVector::<f64, 3>::zeros();
+        for y in cy - 1..=cy + 1 {
+            for j in bucket(y, cx - 1, cx + 1) {
+                let p = &grid.crossings[j].contact.point;
+                let (u, v) = ((p.x - at.x) / reach, (p.y - at.y) / reach);
+                let w = 1.0 - u * u - v * v;
+                if w > 0.0 {
+                    let row = SVector::<f64, 3>::from([1.0, u, v]);
+                    ata += row * row.transpose() * w;
+                    atb += row * (w * (p.z - at.z));
+                }
+            }
+        }
+        // A straight border says nothing of the slope across it: keep that small rather than wild.
+        let ridge = 1e-6 * ata[(0, 0)];
+        ata[(1, 1)] += ridge;
+        ata[(2, 2)] += ridge;
+        out[i as usize] = at.z + ata.cholesky().map_or(0.0, |c| c.solve(&atb)[0]);
+    }
+    out
 }
 
 /// Critical points of the contact height: peaks by falling height, pits by rising height, saddles by falling height.
 /// A saddle of several arms is listed once per arm too many.
-pub fn critical_points(grid: &ToolCentreGrid, options: &MorseOptions) -> Vec<CriticalPoint> {
-    let field = HeightField::new(grid);
+pub fn critical_points(
+    grid: &ToolCentreGrid,
+    field: &HeightField,
+    options: &MorseOptions,
+) -> Vec<CriticalPoint> {
     let s = Scalar {
         nx: grid.nx,
         value: &field.value,

@@ -8,4 +8,4 @@ pub mod critical;
 pub mod height;
 
 pub use critical::{CriticalKind, CriticalPoint};
-pub use height::{MorseOptions, critical_points};
+pub use height::{HeightField, MorseOptions, critical_points};
