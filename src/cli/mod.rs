@@ -8,6 +8,7 @@ pub mod features;
 pub mod machines;
 pub mod mill;
 pub mod output;
+mod pictures;
 pub mod posts;
 mod progress;
 mod show;

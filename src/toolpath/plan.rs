@@ -83,7 +83,10 @@ pub enum Stage {
 }
 
 /// Cusps are planned at this share of what is wanted: what the field, the fit and the rounding still take.
-pub const PLAN_SHARE: f64 = 0.95;
+pub const PLAN_SHARE: f64 = 0.92;
+/// Fill where a cusp is higher than this share of what is wanted: below it lie what a lattice and a facet do to a measurement, and
+/// hundreds of bits whose links cost more than they mend.
+pub const FILL_START: f64 = 1.03;
 /// Cells of the sweep map in a flat stepover: a cusp between two cells is then seen within a few percent.
 pub const CELLS_PER_STEPOVER: f64 = 14.0;
 
@@ -205,7 +208,7 @@ pub fn plan(
     stage(Stage::Reachable);
     let reach = reachable(cutter, sweep_step(cutter, options.scallop));
     stage(Stage::Fill);
-    let how = FillOptions { scallop: options.scallop, start: 1.03, keep: 0.75, rounds: 6 };
+    let how = FillOptions { scallop: options.scallop, start: FILL_START, keep: 0.75, rounds: 6 };
     let fill = fill(grid, cutter, &regions, &reach, &mut all, &how, &fitting);
     stage(Stage::Link);
     // Begin at the corner of the part nearest the operator's zero: lowest x and y, from above.
