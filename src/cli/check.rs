@@ -2,16 +2,19 @@
 //! part; prints a table; exit 0 pass, 1 fail, 2 could not be judged.
 
 use super::Failure;
-use super::args::{PartArgs, ToolArgs};
-use super::output::{to_stdout, write_json};
+use super::args::{PartArgs, ToolArgs, parse};
+use super::mill::StockArg;
+use super::output::{to_stdout, write_json, write_whole};
 use super::progress::Progress;
-use crate::gcode::Dialect;
-use crate::geom::Box3;
+use super::show::clock;
 use crate::machine::Machine;
+use crate::picture::{Gouge, HeatMap, Raster, heat_map};
+use crate::post::Post;
 use crate::reach::DropCutter;
 
 use crate::simulate::{DryRun, DryRunOptions, PartContext, Stock, dry_run, judging_step};
-use crate::sweep::reachable;
+use crate::sweep::{Lattice, reachable};
+use crate::verify::dialect_of;
 use serde::Serialize;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -25,9 +28,9 @@ pub struct CheckArgs {
     /// Machine: a built-in name (see `morsemill machines`) or a file
     #[arg(long, value_name = "NAME|FILE")]
     pub machine: String,
-    /// How the program is read: grbl or linuxcnc; by default as the machine's controller does
-    #[arg(long, alias = "post", value_parser = parse_dialect, value_name = "NAME")]
-    pub dialect: Option<Dialect>,
+    /// Dialect the program is written in: a built-in name (see `morsemill posts`) or a file; by default the machine's own
+    #[arg(long, alias = "dialect", value_name = "NAME|FILE")]
+    pub post: Option<String>,
     /// The part (STL or OBJ): with it cusps, gouges, uncut ground and rapids into stock are judged
     #[arg(long, value_name = "FILE")]
     pub part: Option<PathBuf>,
@@ -43,8 +46,8 @@ pub struct CheckArgs {
     )]
     #[command(flatten)]
     pub tool: ToolArgs,
-    /// What stands before the first move: allowance:MM above the finished surface, block (up to the part's top) or block:MM above it
-    #[arg(long, default_value = "allowance:0.5", value_parser = super::args::parse::<StockArg>, value_name = "STOCK")]
+    /// What stands before the first move: allowance:MM over the finished surface, or block (up to the part's top)
+    #[arg(long, default_value = "allowance:0.5", value_parser = parse::<StockArg>, value_name = "STOCK")]
     pub stock: StockArg,
     /// Write the whole result as JSON
     #[arg(long, value_name = "FILE")]
@@ -52,70 +55,6 @@ pub struct CheckArgs {
     /// Write report.json and the heat map cusp.png into this directory
     #[arg(long, value_name = "DIR")]
     pub report: Option<PathBuf>,
-}
-
-/// The stock as people name it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum StockArg {
-    /// This much on the finished surface, mm.
-    Allowance(f64),
-    /// A block this much higher than the part, mm.
-    Block(f64),
-}
-
-impl std::str::FromStr for StockArg {
-    type Err = String;
-
-    /// Reads `allowance:0.5`, `block` and `block:2`.
-    fn from_str(text: &str) -> Result<Self, String> {
-        let bad = || {
-            format!(
-                "stock \"{text}\" is not understood: write allowance:MM, block or block:MM, e.g. allowance:0.5"
-            )
-        };
-        let (kind, size) = match text.trim().split_once(':') {
-            Some((kind, size)) => (kind, size.trim().parse::<f64>().map_err(|_| bad())?),
-            None => (text.trim(), 0.0),
-        };
-        if !(size.is_finite() && (0.0..=1000.0).contains(&size)) {
-            return Err(format!("stock \"{text}\": the size must be 0 to 1000 mm"));
-        }
-        match kind.to_ascii_lowercase().as_str() {
-            "allowance" if text.contains(':') => Ok(StockArg::Allowance(size)),
-            "block" => Ok(StockArg::Block(size)),
-            _ => Err(bad()),
-        }
-    }
-}
-
-impl StockArg {
-    /// Over a part with these bounds.
-    pub fn over(self, part: &Box3) -> Stock {
-        match self {
-            StockArg::Allowance(mm) => Stock::Allowance(mm),
-            StockArg::Block(above) => Stock::Block {
-                top_z: part.max.z + above,
-            },
-        }
-    }
-}
-
-fn parse_dialect(text: &str) -> Result<Dialect, String> {
-    dialect_named(text)
-        .ok_or_else(|| format!("dialect \"{text}\" is not known: write grbl or linuxcnc"))
-}
-
-fn dialect_named(name: &str) -> Option<Dialect> {
-    match name.to_ascii_lowercase().as_str() {
-        "grbl" | "grblhal" | "fluidnc" => Some(Dialect::Grbl),
-        "linuxcnc" => Some(Dialect::LinuxCnc),
-        _ => None,
-    }
-}
-
-/// How this machine reads programs.
-pub fn dialect_of(machine: &Machine) -> Dialect {
-    dialect_named(&machine.controller).unwrap_or(Dialect::Grbl)
 }
 
 /// The result with what it was measured on.
@@ -145,11 +84,13 @@ struct PartFigures {
 pub fn run(args: &CheckArgs) -> Result<ExitCode, Failure> {
     args.tool.check()?;
     let machine = Machine::load(&args.machine).map_err(Failure::failed)?;
-    let dialect = args.dialect.unwrap_or_else(|| dialect_of(&machine));
+    let post = Post::load(args.post.as_deref().unwrap_or(&machine.post)).map_err(Failure::failed)?;
+    let dialect = dialect_of(&post).map_err(Failure::failed)?;
     let text = read_program(&args.program)?;
     let mut progress = Progress::new();
     let radius = args.tool.tool.radius;
     let mut figures = None;
+    let mut heights = None;
     let result = match &args.part {
         None => {
             progress.stage("check", "reading and timing the program");
@@ -168,12 +109,13 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, Failure> {
             let step = judging_step(&bounds, radius, args.tool.scallop);
             let reach = reachable(&drop, step);
             progress.stage("check", "cutting the program");
+            heights = Some(raster(&reach.lattice, reach.part_z.iter().map(|z| *z as f32).collect()));
             let part = PartContext {
                 mesh,
                 drop: &drop,
                 reachable: &reach,
             };
-            let options = DryRunOptions::new(args.tool.scallop, args.stock.over(&bounds));
+            let options = DryRunOptions::new(args.tool.scallop, args.stock.stock(bounds.max.z));
             figures = Some(PartFigures {
                 file: path.display().to_string(),
                 triangles: loaded.mesh.triangles.len(),
@@ -197,7 +139,7 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, Failure> {
         write_json(path, &report)?;
     }
     if let Some(dir) = &args.report {
-        write_report(dir, &report)?;
+        write_report(dir, &report, heights.as_ref())?;
     }
     to_stdout(|out| print(out, &report, args))?;
     Ok(if result.passed() {
@@ -220,11 +162,38 @@ fn read_program(path: &Path) -> Result<String, Failure> {
     Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 
-fn write_report(dir: &Path, report: &Report) -> Result<(), Failure> {
-    std::fs::create_dir_all(dir)
-        .map_err(|e| Failure::Failed(format!("{}: cannot be made: {e}", dir.display())))?;
+fn write_report(dir: &Path, report: &Report, heights: Option<&Raster<f32>>) -> Result<(), Failure> {
+    std::fs::create_dir_all(dir).map_err(|e| Failure::Failed(format!("{}: cannot be made: {e}", dir.display())))?;
     write_json(&dir.join("report.json"), report)?;
-    Ok(())
+    let (Some(map), Some(f), Some(part)) = (&report.run.map, &report.run.finish, &report.part) else {
+        return Ok(());
+    };
+    let um = |v: &[f32]| raster(&map.lattice, v.iter().map(|c| c * 1e3).collect());
+    let s = &f.scallop_um;
+    let png = heat_map(&HeatMap {
+        title: &format!("{}: cusps after the dry run", report.file),
+        subtitle: &format!("asked for {} um; verdict: {}", 1e3 * part.scallop_mm, report.run.verdict),
+        field: &um(&map.cusp_mm),
+        quantity: "cusp height",
+        unit: "um",
+        limit: 1e3 * part.scallop_mm,
+        gouge: Some(Gouge { depth: &um(&map.gouge_mm), limit: 3.0 }),
+        heights,
+        facts: &[
+            format!("p50   {:.1} um", s.p50),
+            format!("p99   {:.1} um", s.p99),
+            format!("max   {:.1} um", s.max),
+            format!("gouge {:.1} um", f.gouge_um_max),
+            format!("uncut {:.2} mm2", f.uncut_area_mm2),
+        ],
+        width_px: 1500,
+    })
+    .map_err(Failure::failed)?;
+    write_whole(&dir.join("cusp.png"), &png)
+}
+
+fn raster(lattice: &Lattice, values: Vec<f32>) -> Raster<f32> {
+    Raster { origin: lattice.origin, step: lattice.step, nx: lattice.nx, ny: lattice.ny, values }
 }
 
 fn print(out: &mut dyn Write, report: &Report, args: &CheckArgs) -> std::io::Result<()> {
@@ -298,42 +267,76 @@ fn print(out: &mut dyn Write, report: &Report, args: &CheckArgs) -> std::io::Res
     writeln!(out, "verdict   {}", r.verdict)
 }
 
-fn clock(seconds: f64) -> String {
-    let s = seconds.max(0.0).round() as u64;
-    if s >= 3600 {
-        format!("{} h {:02} min {:02} s", s / 3600, s / 60 % 60, s % 60)
-    } else {
-        format!("{} min {:02} s", s / 60, s % 60)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
+    use clap::Parser;
+
+    #[derive(Parser)]
+    struct Cli {
+        #[command(flatten)]
+        check: CheckArgs,
+    }
+
+    fn check(args: &[&str]) -> Result<bool, Failure> {
+        let words = [&["check"], args].concat();
+        run(&Cli::try_parse_from(words).unwrap().check).map(|code| code == ExitCode::SUCCESS)
+    }
+
+    const PLATE: &str = "solid p
+facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 12 0 0\nvertex 12 9 0\nendloop\nendfacet
+facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 12 9 0\nvertex 0 9 0\nendloop\nendfacet
+endsolid p\n";
 
     #[test]
-    fn stock_is_read_or_refused_in_words() {
-        assert_eq!("allowance:0.5".parse(), Ok(StockArg::Allowance(0.5)));
-        assert_eq!("block".parse(), Ok(StockArg::Block(0.0)));
-        assert_eq!("Block:2".parse(), Ok(StockArg::Block(2.0)));
-        for bad in [
-            "",
-            "allowance",
-            "allowance:x",
-            "slab:3",
-            "block:-1",
-            "block:NaN",
-            "allowance:1e9",
-        ] {
-            let e = bad.parse::<StockArg>().unwrap_err();
-            assert!(e.starts_with("stock \""), "{e}");
+    fn codes_and_files() {
+        let dir = tempfile::tempdir().unwrap();
+        let at = |n: &str| dir.path().join(n).display().to_string();
+        std::fs::write(at("p.stl"), PLATE).unwrap();
+        let mut text = String::from("G21 G90\nM3 S12000\nG0 Z20\nG0 X-1 Y0\nG0 Z2\nG1 Z0 F500\n");
+        for k in 0..=15 {
+            let y = 0.6 * f64::from(k);
+            let (a, b) = if k % 2 == 0 { (-1, 13) } else { (13, -1) };
+            text += &format!("G1 X{a} Y{y:.3} F1500\nX{b}\n");
         }
+        std::fs::write(at("good.nc"), text.clone() + "G0 Z20\nM5\nM30\n").unwrap();
+        std::fs::write(at("bad.nc"), text + "G1 X6 Z-0.1\nG0 Z20\nM5\nM30\n").unwrap();
+        let with_part = |program: &str, more: &[&str]| {
+            let (program, part) = (at(program), at("p.stl"));
+            let mut words = vec![program.as_str(), "--machine", "longmill-30x30", "--part", &part];
+            words.extend(["--origin", "part", "--up", "+z"]);
+            words.extend(more);
+            check(&words)
+        };
+        let (json, report) = (at("r.json"), at("report"));
+        assert!(with_part("good.nc", &["--json", &json, "--report", &report]).unwrap());
+        let v: serde_json::Value = serde_json::from_slice(&std::fs::read(&json).unwrap()).unwrap();
+        assert_eq!(v["verdict"], "pass");
+        assert_eq!(v["part"]["triangles"], 2);
+        assert_eq!(v["program"]["retracts"], 1);
+        assert!(std::fs::read(dir.path().join("report/cusp.png")).unwrap().starts_with(b"\x89PNG"));
+        assert!(dir.path().join("report/report.json").exists());
+        // Gouged, but its limits are kept.
+        assert!(!with_part("bad.nc", &[]).unwrap());
+        assert!(check(&[&at("bad.nc"), "--machine", "longmill-30x30"]).unwrap());
+        // Another zero: the same program misses the part.
+        assert!(!with_part("good.nc", &["--origin", "top-center"]).unwrap());
     }
 
     #[test]
-    fn clocks_read_well() {
-        assert_eq!(clock(59.6), "1 min 00 s");
-        assert_eq!(clock(3725.0), "1 h 02 min 05 s");
+    fn what_cannot_be_carried_out_says_so() {
+        let dir = tempfile::tempdir().unwrap();
+        let empty = dir.path().join("e.nc").display().to_string();
+        std::fs::write(&empty, "").unwrap();
+        let folder = dir.path().display().to_string();
+        let failed = |args: &[&str]| match check(args) {
+            Err(Failure::Failed(text)) => text,
+            other => format!("{other:?}"),
+        };
+        assert!(failed(&[&empty, "--machine", "longmill-30x30"]).ends_with("there is no program to check"));
+        assert!(failed(&[&folder, "--machine", "longmill-30x30"]).contains("this is a directory"));
+        assert!(failed(&["none.nc", "--machine", "longmill-30x30"]).starts_with("none.nc: cannot be read"));
+        assert!(failed(&[&empty, "--machine", "no-such-mill"]).contains("no-such-mill"));
     }
 }
