@@ -26,7 +26,12 @@ pub struct ToolArgs {
     #[arg(long, default_value = "ball:6", value_parser = parse::<Tool>)]
     pub tool: Tool,
     /// Highest cusp that may be left, mm
-    #[arg(long, default_value_t = 0.02, allow_negative_numbers = true, value_name = "MM")]
+    #[arg(
+        long,
+        default_value_t = 0.02,
+        allow_negative_numbers = true,
+        value_name = "MM"
+    )]
     pub scallop: f64,
 }
 
@@ -43,7 +48,9 @@ pub fn above_zero(flag: &str, value: f64, unit: &str) -> Result<f64, Failure> {
     if value.is_finite() && value > 0.0 {
         Ok(value)
     } else {
-        Err(Failure::Failed(format!("{flag} {value}: must be a number of {unit} above zero")))
+        Err(Failure::Failed(format!(
+            "{flag} {value}: must be a number of {unit} above zero"
+        )))
     }
 }
 
@@ -85,7 +92,10 @@ impl PartArgs {
     /// Reads the part and lays it on the table.
     pub fn load(&self, path: &PathBuf) -> Result<(Loaded, Placement), Failure> {
         let loaded = load(path, self.units).map_err(Failure::failed)?;
-        let options = PlaceOptions { up: self.up, origin: self.origin };
+        let options = PlaceOptions {
+            up: self.up,
+            origin: self.origin,
+        };
         let placement = place(&loaded.mesh, &loaded.soundness, &options)
             .map_err(|e| Failure::Failed(format!("{}: {e}", path.display())))?;
         Ok((loaded, placement))

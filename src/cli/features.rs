@@ -92,12 +92,20 @@ pub fn run(a: &FeaturesArgs) -> Result<ExitCode, Failure> {
         progress.stage(name, words);
     };
     let cutter = DropCutter::new(&placement.mesh, a.tool.tool.radius);
-    let ground = plan::survey(cutter, &options, &mut |_, _| {}, &mut stage).map_err(Failure::failed)?;
+    let ground =
+        plan::survey(cutter, &options, &mut |_, _| {}, &mut stage).map_err(Failure::failed)?;
     stage(Stage::Features);
     let regions = plan::features(&ground, &options);
     progress.finish();
     if let Some(file) = &a.picture {
-        write_whole(file, &pictures::features(&a.part, &ground, &regions)?)?;
+        write_whole(
+            file,
+            &pictures::features(
+                &pictures::Subject::new(&a.part, &placement),
+                &ground,
+                &regions,
+            )?,
+        )?;
     }
     let rows: Vec<RegionJson> = regions
         .features
@@ -115,9 +123,17 @@ pub fn run(a: &FeaturesArgs) -> Result<ExitCode, Failure> {
     to_stdout(|w| {
         show::part(w, &a.part, &loaded, &placement)?;
         show::critical(w, &ground.critical)?;
-        writeln!(w, "\n{:>4}  {:<12} {:>11} {:>16}", "id", "feature", "area, mm2", "passes to rim")?;
+        writeln!(
+            w,
+            "\n{:>4}  {:<12} {:>11} {:>16}",
+            "id", "feature", "area, mm2", "passes to rim"
+        )?;
         for r in &rows {
-            writeln!(w, "{:>4}  {:<12} {:>11.1} {:>16.1}", r.id, r.kind, r.area_mm2, r.rim_passes)?;
+            writeln!(
+                w,
+                "{:>4}  {:<12} {:>11.1} {:>16.1}",
+                r.id, r.kind, r.area_mm2, r.rim_passes
+            )?;
         }
         Ok(())
     })?;

@@ -36,7 +36,12 @@ pub struct MillArgs {
     #[arg(long, value_enum, default_value_t = StrategyName::IsoScallop)]
     pub strategy: StrategyName,
     /// Direction of isoplanar passes, degrees from X
-    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true, value_name = "DEGREES")]
+    #[arg(
+        long,
+        default_value_t = 0.0,
+        allow_negative_numbers = true,
+        value_name = "DEGREES"
+    )]
     pub angle: f64,
     /// Machine: a name from `morsemill machines`, or a file
     #[arg(long, default_value = DEFAULT_MACHINE, value_name = "NAME|FILE")]
@@ -45,10 +50,20 @@ pub struct MillArgs {
     #[arg(long, value_name = "NAME|FILE")]
     pub post: Option<String>,
     /// Cutting feed, mm/min
-    #[arg(long, default_value_t = 1500.0, allow_negative_numbers = true, value_name = "MM_PER_MIN")]
+    #[arg(
+        long,
+        default_value_t = 1500.0,
+        allow_negative_numbers = true,
+        value_name = "MM_PER_MIN"
+    )]
     pub feed: f64,
     /// Plunge feed, mm/min
-    #[arg(long, default_value_t = 500.0, allow_negative_numbers = true, value_name = "MM_PER_MIN")]
+    #[arg(
+        long,
+        default_value_t = 500.0,
+        allow_negative_numbers = true,
+        value_name = "MM_PER_MIN"
+    )]
     pub plunge: f64,
     /// Spindle speed; the machine's fastest, or 18000 if that is less, when left out. 0 leaves the spindle to you
     #[arg(long, allow_negative_numbers = true, value_name = "RPM")]
@@ -110,10 +125,14 @@ impl std::str::FromStr for StockArg {
         if text == "block" {
             return Ok(StockArg::Block);
         }
-        let mm = text.strip_prefix("allowance:").and_then(|v| v.parse::<f64>().ok());
+        let mm = text
+            .strip_prefix("allowance:")
+            .and_then(|v| v.parse::<f64>().ok());
         match mm.filter(|v| v.is_finite() && (0.0..=1000.0).contains(v)) {
             Some(v) => Ok(StockArg::Allowance(v)),
-            None => Err(format!("stock \"{text}\" is not understood: write allowance:0.5 (mm over the finished surface) or block")),
+            None => Err(format!(
+                "stock \"{text}\" is not understood: write allowance:0.5 (mm over the finished surface) or block"
+            )),
         }
     }
 }
@@ -183,21 +202,29 @@ fn settle(a: &MillArgs) -> Result<Settings, Failure> {
     if let Some(g) = a.grid {
         above_zero("--grid", g, "mm")?;
         if g > a.tool.tool.radius {
-            return Err(Failure::Failed(format!("--grid {g}: must be below the ball's radius of {} mm", a.tool.tool.radius)));
+            return Err(Failure::Failed(format!(
+                "--grid {g}: must be below the ball's radius of {} mm",
+                a.tool.tool.radius
+            )));
         }
     }
     if let Some(p) = a.persistence {
         above_zero("--persistence", p, "mm")?;
     }
     if !a.angle.is_finite() {
-        return Err(Failure::Failed(format!("--angle {}: must be a number of degrees", a.angle)));
+        return Err(Failure::Failed(format!(
+            "--angle {}: must be a number of degrees",
+            a.angle
+        )));
     }
     let machine = Machine::load(&a.machine).map_err(Failure::failed)?;
     let post = Post::load(a.post.as_deref().unwrap_or(&machine.post)).map_err(Failure::failed)?;
     let [lowest, highest] = machine.spindle;
     let speed = a.speed.unwrap_or(highest.0.min(18000.0));
     if !(speed.is_finite() && speed >= 0.0) {
-        return Err(Failure::Failed(format!("--speed {speed}: must be a number of revolutions per minute, or 0")));
+        return Err(Failure::Failed(format!(
+            "--speed {speed}: must be a number of revolutions per minute, or 0"
+        )));
     }
     if speed > 0.0 && (speed > highest.0 || speed < lowest.0) {
         return Err(Failure::Rejected(format!(
@@ -206,7 +233,11 @@ fn settle(a: &MillArgs) -> Result<Settings, Failure> {
         )));
     }
     for (k, (axis, rate)) in ["X", "Y", "Z"].iter().zip(machine.max_rate).enumerate() {
-        let (flag, v) = if k < 2 { ("--feed", a.feed) } else { ("--plunge", a.plunge) };
+        let (flag, v) = if k < 2 {
+            ("--feed", a.feed)
+        } else {
+            ("--plunge", a.plunge)
+        };
         if v > rate.0 {
             return Err(Failure::Rejected(format!(
                 "{flag} {v}: axis {axis} of {} moves at most {} mm/min",
@@ -221,7 +252,12 @@ fn settle(a: &MillArgs) -> Result<Settings, Failure> {
         persistence: a.persistence,
         memory_limit_bytes: a.memory.saturating_mul(1 << 20),
     };
-    Ok(Settings { machine, post, plan, speed: Rpm(speed) })
+    Ok(Settings {
+        machine,
+        post,
+        plan,
+        speed: Rpm(speed),
+    })
 }
 
 /// Refuses a part that the axes cannot span, before any work is done.
@@ -246,7 +282,10 @@ fn fits(placement: &Placement, radius: f64, machine: &Machine) -> Result<(), Fai
 pub fn run(a: &MillArgs) -> Result<ExitCode, Failure> {
     let s = settle(a)?;
     if a.output.is_dir() {
-        return Err(Failure::Failed(format!("{}: is a folder, not a file to write", a.output.display())));
+        return Err(Failure::Failed(format!(
+            "{}: is a folder, not a file to write",
+            a.output.display()
+        )));
     }
     let radius = a.tool.tool.radius;
     let mut progress = Progress::new();
@@ -272,7 +311,8 @@ pub fn run(a: &MillArgs) -> Result<ExitCode, Failure> {
             bytes >> 20
         ));
     };
-    let ground = plan::survey(cutter, &s.plan, &mut announce, &mut stage).map_err(Failure::failed)?;
+    let ground =
+        plan::survey(cutter, &s.plan, &mut announce, &mut stage).map_err(Failure::failed)?;
     let links = link_options(a, &s, &placement);
     let (planned, reachable) = plan::plan(&placement.mesh, &ground, &s.plan, &links, &mut stage);
     let mut progress = progress.into_inner();
@@ -283,20 +323,39 @@ pub fn run(a: &MillArgs) -> Result<ExitCode, Failure> {
     progress.stage("verify", "reading the program back");
     let deviation = verify(&posted, &planned.toolpath, &job, &s.post).map_err(Failure::failed)?;
     progress.stage("dry_run", "cutting the program in simulation");
-    let context = PartContext { mesh: &placement.mesh, drop: &ground.cutter, reachable: &reachable };
+    let context = PartContext {
+        mesh: &placement.mesh,
+        drop: &ground.cutter,
+        reachable: &reachable,
+    };
     let top = placement.mesh.bounds().max.z;
     let options = DryRunOptions::new(a.tool.scallop, a.stock.stock(top));
     let dialect = dialect_of(&s.post).map_err(Failure::failed)?;
     let verdict = dry_run(&posted.text, dialect, &s.machine, Some(&context), &options);
     let times = crate::gcode::interpret(&posted.text, dialect)
-        .map(|p| crate::kinematics::program_time(&p.events, &crate::kinematics::Settings::from(&s.machine)).per_line)
+        .map(|p| {
+            crate::kinematics::program_time(
+                &p.events,
+                &crate::kinematics::Settings::from(&s.machine),
+            )
+            .per_line
+        })
         .unwrap_or_default();
     let features = show::features(&planned, &posted, &times);
 
     if let Some(dir) = &a.report {
         progress.stage("pictures", "drawing");
-        std::fs::create_dir_all(dir).map_err(|e| Failure::Failed(format!("{}: {e}", dir.display())))?;
-        pictures::draw_all(dir, &a.part, &ground, &planned, &reachable, &verdict, a.tool.scallop)?;
+        std::fs::create_dir_all(dir)
+            .map_err(|e| Failure::Failed(format!("{}: {e}", dir.display())))?;
+        pictures::draw_all(
+            dir,
+            &pictures::Subject::new(&a.part, &placement),
+            &ground,
+            &planned,
+            &reachable,
+            &verdict,
+            a.tool.scallop,
+        )?;
     }
     let total = progress.finish();
     let mut seconds: BTreeMap<&'static str, f64> = BTreeMap::new();
@@ -305,7 +364,18 @@ pub fn run(a: &MillArgs) -> Result<ExitCode, Failure> {
     }
     seconds.insert("total", total);
 
-    let json = mill_json(a, &s, &loaded, &placement, &ground, &planned, &verdict, &deviation, features.clone(), seconds);
+    let json = mill_json(
+        a,
+        &s,
+        &loaded,
+        &placement,
+        &ground,
+        &planned,
+        &verdict,
+        &deviation,
+        features.clone(),
+        seconds,
+    );
     if let Some(file) = &a.json {
         write_json(file, &json)?;
     }
@@ -313,7 +383,10 @@ pub fn run(a: &MillArgs) -> Result<ExitCode, Failure> {
         write_json(&dir.join("report.json"), &json)?;
     }
     // A program that would break something is not left lying about; one with a poor finish is, with the verdict saying so.
-    let dangerous = verdict.problems.iter().any(|p| !matches!(p.kind, Kind::Scallop | Kind::Uncut));
+    let dangerous = verdict
+        .problems
+        .iter()
+        .any(|p| !matches!(p.kind, Kind::Scallop | Kind::Uncut));
     if !dangerous {
         write_whole(&a.output, posted.text.as_bytes())?;
     }
@@ -325,10 +398,21 @@ pub fn run(a: &MillArgs) -> Result<ExitCode, Failure> {
         if dangerous {
             writeln!(w, "no program was written: it would not be safe to run")
         } else {
-            writeln!(w, "{}: {} lines for {} ({})", a.output.display(), verdict.program.lines, s.machine.name, s.post.name)
+            writeln!(
+                w,
+                "{}: {} lines for {} ({})",
+                a.output.display(),
+                verdict.program.lines,
+                s.machine.name,
+                s.post.name
+            )
         }
     })?;
-    Ok(if verdict.passed() { ExitCode::SUCCESS } else { ExitCode::from(1) })
+    Ok(if verdict.passed() {
+        ExitCode::SUCCESS
+    } else {
+        ExitCode::from(1)
+    })
 }
 
 fn link_options(a: &MillArgs, s: &Settings, placement: &Placement) -> LinkOptions {
@@ -343,7 +427,11 @@ fn link_options(a: &MillArgs, s: &Settings, placement: &Placement) -> LinkOption
         plunge: a.plunge / 60.0,
         rapid_xy: m.max_rate[0].mm_per_s().min(m.max_rate[1].mm_per_s()),
         rapid_z: m.max_rate[2].mm_per_s(),
-        acceleration: m.acceleration.iter().map(|v| v.0).fold(f64::INFINITY, f64::min),
+        acceleration: m
+            .acceleration
+            .iter()
+            .map(|v| v.0)
+            .fold(f64::INFINITY, f64::min),
         allowance,
         clearance: CLEARANCE,
         block_center_z: block,
@@ -353,7 +441,11 @@ fn link_options(a: &MillArgs, s: &Settings, placement: &Placement) -> LinkOption
 
 fn job(a: &MillArgs, s: &Settings, placement: &Placement, ground: &Ground, planned: &Plan) -> Job {
     let b = placement.mesh.bounds();
-    let name = a.part.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+    let name = a
+        .part
+        .file_name()
+        .map(|n| n.to_string_lossy().into_owned())
+        .unwrap_or_default();
     let f = &planned.fitting;
     let um = 1e3;
     let header = vec![
@@ -362,12 +454,21 @@ fn job(a: &MillArgs, s: &Settings, placement: &Placement, ground: &Ground, plann
             "part X {:.3} to {:.3} Y {:.3} to {:.3} Z {:.3} to {:.3} mm",
             b.min.x, b.max.x, b.min.y, b.max.y, b.min.z, b.max.z
         ),
-        format!("tool ball end mill {} mm, Z is its tip", 2.0 * a.tool.tool.radius),
+        format!(
+            "tool ball end mill {} mm, Z is its tip",
+            2.0 * a.tool.tool.radius
+        ),
         match a.stock {
-            StockArg::Allowance(mm) => format!("stock assumed at most {mm} mm over the finished surface"),
+            StockArg::Allowance(mm) => {
+                format!("stock assumed at most {mm} mm over the finished surface")
+            }
             StockArg::Block => format!("stock assumed a block up to Z {:.3}", b.max.z),
         },
-        format!("strategy {} scallop {} mm", s.plan.strategy.name(), a.tool.scallop),
+        format!(
+            "strategy {} scallop {} mm",
+            s.plan.strategy.name(),
+            a.tool.scallop
+        ),
         format!("machine {} post {}", s.machine.name, s.post.name),
         format!(
             "error budget um: chord gouge {:.1} chord stock {:.1} sideways {:.1} rounding {:.2} facets are the file's",

@@ -62,7 +62,9 @@ impl Failure {
 pub fn main() -> ExitCode {
     let cli = Cli::parse();
     if cli.threads > 0
-        && let Err(e) = rayon::ThreadPoolBuilder::new().num_threads(cli.threads).build_global()
+        && let Err(e) = rayon::ThreadPoolBuilder::new()
+            .num_threads(cli.threads)
+            .build_global()
     {
         eprintln!("morsemill: {} threads cannot be started: {e}", cli.threads);
         return ExitCode::from(2);

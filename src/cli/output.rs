@@ -7,7 +7,8 @@ use std::process::ExitCode;
 
 /// Writes a file beside its place and renames it, so that nobody ever sees half of it.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
-    let fail = |what: &str, e: std::io::Error| Failure::Failed(format!("{}: {what}: {e}", path.display()));
+    let fail =
+        |what: &str, e: std::io::Error| Failure::Failed(format!("{}: {what}: {e}", path.display()));
     let name = path
         .file_name()
         .ok_or_else(|| Failure::Failed(format!("{}: is not the name of a file", path.display())))?;
@@ -17,7 +18,9 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     let written = std::fs::File::create(&beside)
         .and_then(|mut f| f.write_all(bytes).and_then(|()| f.sync_all()))
         .map_err(|e| fail("cannot be written", e));
-    let done = written.and_then(|()| std::fs::rename(&beside, path).map_err(|e| fail("cannot be put in place", e)));
+    let done = written.and_then(|()| {
+        std::fs::rename(&beside, path).map_err(|e| fail("cannot be put in place", e))
+    });
     if done.is_err() {
         let _ = std::fs::remove_file(&beside);
     }
@@ -32,7 +35,9 @@ pub fn write_json(path: &Path, value: &impl serde::Serialize) -> Result<(), Fail
 }
 
 /// Runs something that prints to standard output; a closed pipe is no error.
-pub fn to_stdout(print: impl FnOnce(&mut dyn Write) -> std::io::Result<()>) -> Result<ExitCode, Failure> {
+pub fn to_stdout(
+    print: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
+) -> Result<ExitCode, Failure> {
     let mut out = std::io::BufWriter::new(std::io::stdout().lock());
     match print(&mut out).and_then(|()| out.flush()) {
         Ok(()) => Ok(ExitCode::SUCCESS),

@@ -3,10 +3,12 @@
 use super::Failure;
 use super::output::write_whole;
 use crate::feature::Regions;
-use crate::geom::Vector;
+use crate::geom::{Point, Vector};
 use crate::morse::{CriticalKind, CriticalPoint};
+use crate::part::Placement;
 use crate::picture::{
-    Gouge, HeatMap, Line, LineKind, Marker, MarkerKind, PictureError, Raster, Scene, View, heat_map, passes, shaded,
+    Gouge, HeatMap, Line, LineKind, Marker, MarkerKind, PictureError, Raster, Scene, View,
+    heat_map, passes, shaded,
 };
 use crate::reach::{NodeKind, ToolCentreGrid};
 use crate::simulate::DryRun;
@@ -17,10 +19,36 @@ use std::path::Path;
 
 const WIDTH: u32 = 1500;
 
+/// What is drawn.
+#[derive(Clone, Copy, Debug)]
+pub struct Subject<'a> {
+    /// The part's file, for the title.
+    pub part: &'a Path,
+    /// Height of a closed part's underside, mm.
+    pub floor: Option<f64>,
+}
+
+impl<'a> Subject<'a> {
+    /// A placed part.
+    pub fn new(part: &'a Path, placement: &Placement) -> Subject<'a> {
+        Subject {
+            part,
+            floor: placement.closed.then(|| placement.mesh.bounds().min.z),
+        }
+    }
+
+    fn name(&self) -> String {
+        self.part
+            .file_name()
+            .map(|n| n.to_string_lossy().into_owned())
+            .unwrap_or_default()
+    }
+}
+
 /// Draws `features.png`, `passes.png` and `cusps.png` into a folder.
 pub fn draw_all(
     dir: &Path,
-    part: &Path,
+    of: &Subject,
     ground: &Ground,
     plan: &Plan,
     reach: &Reachable,
@@ -28,42 +56,67 @@ pub fn draw_all(
     scallop: f64,
 ) -> Result<(), Failure> {
     let heights = part_heights(reach);
-    write_whole(&dir.join("features.png"), &feature_picture(part, ground, &plan.regions, &heights)?)?;
-    write_whole(&dir.join("passes.png"), &pass_picture(part, ground, plan, &heights, verdict)?)?;
+    write_whole(
+        &dir.join("features.png"),
+        &feature_picture(of, ground, &plan.regions, &heights)?,
+    )?;
+    write_whole(
+        &dir.join("passes.png"),
+        &pass_picture(of, ground, plan, &heights, verdict)?,
+    )?;
     if let Some(map) = &verdict.map {
-        write_whole(&dir.join("cusps.png"), &cusp_picture(part, map, &heights, verdict, scallop)?)?;
+        write_whole(
+            &dir.join("cusps.png"),
+            &cusp_picture(of, map, &heights, verdict, scallop)?,
+        )?;
     }
     Ok(())
 }
 
 /// The picture of critical points and features, as PNG bytes.
-pub fn features(part: &Path, ground: &Ground, regions: &Regions) -> Result<Vec<u8>, Failure> {
+pub fn features(of: &Subject, ground: &Ground, regions: &Regions) -> Result<Vec<u8>, Failure> {
     let g = &ground.grid;
-    let heights = raster_of_grid(g, (0..g.len()).map(|i| {
-        let q = g.xy(i);
-        ground.cutter.surface_z(q.x, q.y).map_or(f32::NAN, |z| z as f32)
-    }).collect());
-    feature_picture(part, ground, regions, &heights)
+    let heights = (0..g.len())
+        .map(|i| {
+            let q = g.xy(i);
+            ground
+                .cutter
+                .surface_z(q.x, q.y)
+                .map_or(f32::NAN, |z| z as f32)
+        })
+        .collect();
+    feature_picture(of, ground, regions, &raster_of_grid(g, heights))
 }
 
 fn failed(e: PictureError) -> Failure {
     Failure::failed(e)
 }
 
-fn name(part: &Path) -> String {
-    part.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default()
-}
-
 fn raster_of_grid<T>(g: &ToolCentreGrid, values: Vec<T>) -> Raster<T> {
-    Raster { origin: g.origin, step: g.step, nx: g.nx, ny: g.ny, values }
+    Raster {
+        origin: g.origin,
+        step: g.step,
+        nx: g.nx,
+        ny: g.ny,
+        values,
+    }
 }
 
 fn raster_of_lattice<T>(l: &Lattice, values: Vec<T>) -> Raster<T> {
-    Raster { origin: l.origin, step: l.step, nx: l.nx, ny: l.ny, values }
+    Raster {
+        origin: l.origin,
+        step: l.step,
+        nx: l.nx,
+        ny: l.ny,
+        values,
+    }
 }
 
 fn part_heights(reach: &Reachable) -> Raster<f32> {
-    raster_of_lattice(&reach.lattice, reach.part_z.iter().map(|z| *z as f32).collect())
+    raster_of_lattice(
+        &reach.lattice,
+        reach.part_z.iter().map(|z| *z as f32).collect(),
+    )
 }
 
 fn markers(critical: &[CriticalPoint]) -> Vec<Marker> {
@@ -113,20 +166,34 @@ fn feature_words(regions: &Regions) -> Vec<(u16, String)> {
         .features
         .iter()
         .enumerate()
-        .map(|(k, f)| ((k + 1) as u16, format!("{} {}  {:.0} mm2", k + 1, f.kind.name(), f.area_mm2)))
+        .map(|(k, f)| {
+            (
+                (k + 1) as u16,
+                format!("{} {}  {:.0} mm2", k + 1, f.kind.name(), f.area_mm2),
+            )
+        })
         .collect()
 }
 
-fn feature_picture(part: &Path, ground: &Ground, regions: &Regions, heights: &Raster<f32>) -> Result<Vec<u8>, Failure> {
+fn feature_picture(
+    of: &Subject,
+    ground: &Ground,
+    regions: &Regions,
+    heights: &Raster<f32>,
+) -> Result<Vec<u8>, Failure> {
     let labels = labels(&ground.grid, regions);
     let [a, b, c] = super::show::counts(&ground.critical);
     shaded(&Scene {
-        title: &format!("{}: features", name(part)),
-        subtitle: &format!("{a} maxima, {b} minima, {c} saddles; {} features", regions.features.len()),
+        title: &format!("{}: features", of.name()),
+        subtitle: &format!(
+            "{a} maxima, {b} minima, {c} saddles; {} features",
+            regions.features.len()
+        ),
         heights,
         labels: Some(&labels),
         features: &feature_words(regions),
         markers: &markers(&ground.critical),
+        floor: of.floor,
         view: View::default(),
         width_px: WIDTH,
     })
@@ -134,20 +201,28 @@ fn feature_picture(part: &Path, ground: &Ground, regions: &Regions, heights: &Ra
 }
 
 fn pass_picture(
-    part: &Path,
+    of: &Subject,
     ground: &Ground,
     plan: &Plan,
     heights: &Raster<f32>,
     verdict: &DryRun,
 ) -> Result<Vec<u8>, Failure> {
-    let lift = Vector::new(0.0, 0.0, -ground.grid.radius);
+    // Drawn where the part is touched, so that lines and colours agree.
+    let touched = |c: &Point| ground.cutter.drop(c.x, c.y).map_or(*c, |t| t.point);
+    let up = Vector::new(0.0, 0.0, ground.grid.radius);
     let mut lines: Vec<Line> = plan
         .passes
         .iter()
         .map(|p| Line {
-            kind: if p.kind == PassKind::Fill { LineKind::Fill } else { LineKind::Cut },
-            feature: p.feature.map_or(0, |f| (f + 1).min(u16::MAX as usize) as u16),
-            points: p.run().into_iter().map(|c| c + lift).collect(),
+            kind: if p.kind == PassKind::Fill {
+                LineKind::Fill
+            } else {
+                LineKind::Cut
+            },
+            feature: p
+                .feature
+                .map_or(0, |f| (f + 1).min(u16::MAX as usize) as u16),
+            points: p.run().iter().map(touched).collect(),
         })
         .collect();
     let moves = &plan.toolpath.moves;
@@ -158,15 +233,23 @@ fn pass_picture(
             MoveKind::Plunge => LineKind::Plunge,
             MoveKind::Rapid | MoveKind::Retract => LineKind::Rapid,
         };
-        match lines.last_mut() {
-            Some(l) if l.kind == kind && l.feature == 0 && l.points.last() == Some(&w[0].to) => l.points.push(w[1].to),
-            _ => lines.push(Line { kind, feature: 0, points: vec![w[0].to, w[1].to] }),
-        }
+        let at = |tip: Point| {
+            if kind == LineKind::Link {
+                touched(&(tip + up))
+            } else {
+                tip
+            }
+        };
+        lines.push(Line {
+            kind,
+            feature: 0,
+            points: vec![at(w[0].to), at(w[1].to)],
+        });
     }
     let labels = labels(&ground.grid, &plan.regions);
     passes(
         &Scene {
-            title: &format!("{}: passes", name(part)),
+            title: &format!("{}: passes", of.name()),
             subtitle: &format!(
                 "{} passes, {:.0} mm at feed, {} retracts, {}",
                 plan.passes.len(),
@@ -178,6 +261,7 @@ fn pass_picture(
             labels: Some(&labels),
             features: &feature_words(&plan.regions),
             markers: &[],
+            floor: of.floor,
             view: View::default(),
             width_px: WIDTH,
         },
@@ -187,7 +271,7 @@ fn pass_picture(
 }
 
 fn cusp_picture(
-    part: &Path,
+    of: &Subject,
     map: &CuspMap,
     heights: &Raster<f32>,
     verdict: &DryRun,
@@ -212,13 +296,20 @@ fn cusp_picture(
         ]);
     }
     heat_map(&HeatMap {
-        title: &format!("{}: cusps after the dry run", name(part)),
-        subtitle: &format!("asked for {:.1} um; verdict: {}", scallop * 1e3, verdict.verdict),
+        title: &format!("{}: cusps after the dry run", of.name()),
+        subtitle: &format!(
+            "asked for {:.1} um; verdict: {}",
+            scallop * 1e3,
+            verdict.verdict
+        ),
         field: &field,
         quantity: "cusp height",
         unit: "um",
         limit: scallop * 1e3,
-        gouge: Some(Gouge { depth: &depth, limit: 3.0 }),
+        gouge: Some(Gouge {
+            depth: &depth,
+            limit: 3.0,
+        }),
         heights: Some(heights),
         facts: &facts,
         width_px: WIDTH,

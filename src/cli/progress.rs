@@ -17,7 +17,12 @@ impl Progress {
         // indicatif draws on stderr, and only on a terminal.
         let bar = indicatif::ProgressBar::new_spinner();
         bar.enable_steady_tick(std::time::Duration::from_millis(120));
-        Progress { bar, started: Instant::now(), current: None, seconds: Vec::new() }
+        Progress {
+            bar,
+            started: Instant::now(),
+            current: None,
+            seconds: Vec::new(),
+        }
     }
 
     /// The last stage is over, this one begins.

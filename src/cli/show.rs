@@ -107,7 +107,10 @@ pub fn part_json(path: &Path, loaded: &Loaded, placement: &Placement) -> PartJso
     let b = placement.mesh.bounds();
     let f = &placement.frame;
     PartJson {
-        file: path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default(),
+        file: path
+            .file_name()
+            .map(|n| n.to_string_lossy().into_owned())
+            .unwrap_or_default(),
         format: loaded.format,
         triangles: loaded.mesh.triangles.len(),
         size_mm: b.size().into(),
@@ -120,14 +123,23 @@ pub fn part_json(path: &Path, loaded: &Loaded, placement: &Placement) -> PartJso
             angle_deg: f.angle.to_degrees(),
             reachable_share: placement.reachable_share.to_vec(),
         },
-        warnings: loaded.warnings.iter().chain(&placement.notes).cloned().collect(),
+        warnings: loaded
+            .warnings
+            .iter()
+            .chain(&placement.notes)
+            .cloned()
+            .collect(),
     }
 }
 
 /// How many maxima, minima, saddles.
 pub fn counts(points: &[CriticalPoint]) -> [usize; 3] {
-    [CriticalKind::Maximum, CriticalKind::Minimum, CriticalKind::Saddle]
-        .map(|k| points.iter().filter(|p| p.kind == k).count())
+    [
+        CriticalKind::Maximum,
+        CriticalKind::Minimum,
+        CriticalKind::Saddle,
+    ]
+    .map(|k| points.iter().filter(|p| p.kind == k).count())
 }
 
 /// Critical points for JSON.
@@ -161,9 +173,23 @@ pub fn features(plan: &Plan, posted: &Posted, line_seconds: &[f64]) -> Vec<Featu
         .features
         .iter()
         .enumerate()
-        .map(|(k, f)| FeatureJson { id: k + 1, kind: f.kind.name(), area_mm2: f.area_mm2, passes: 0, cut_mm: 0.0, time_s: 0.0 })
+        .map(|(k, f)| FeatureJson {
+            id: k + 1,
+            kind: f.kind.name(),
+            area_mm2: f.area_mm2,
+            passes: 0,
+            cut_mm: 0.0,
+            time_s: 0.0,
+        })
         .collect();
-    let border = FeatureJson { id: 0, kind: "border", area_mm2: 0.0, passes: 0, cut_mm: 0.0, time_s: 0.0 };
+    let border = FeatureJson {
+        id: 0,
+        kind: "border",
+        area_mm2: 0.0,
+        passes: 0,
+        cut_mm: 0.0,
+        time_s: 0.0,
+    };
     out.push(border);
     let slot = |f: Option<usize>| f.unwrap_or(plan.regions.features.len());
     for p in &plan.passes {
@@ -172,7 +198,11 @@ pub fn features(plan: &Plan, posted: &Posted, line_seconds: &[f64]) -> Vec<Featu
     let moves = &plan.toolpath.moves;
     let mut line = 0;
     for (k, section) in plan.toolpath.sections.iter().enumerate() {
-        let end = plan.toolpath.sections.get(k + 1).map_or(moves.len(), |s| s.first_move);
+        let end = plan
+            .toolpath
+            .sections
+            .get(k + 1)
+            .map_or(moves.len(), |s| s.first_move);
         let row = &mut out[slot(plan.section_features.get(k).copied().flatten())];
         for i in section.first_move..end {
             if i > 0 && moves[i].kind == MoveKind::Cut {
@@ -188,7 +218,12 @@ pub fn features(plan: &Plan, posted: &Posted, line_seconds: &[f64]) -> Vec<Featu
 }
 
 /// One paragraph about the part.
-pub fn part(w: &mut dyn Write, path: &Path, loaded: &Loaded, placement: &Placement) -> io::Result<()> {
+pub fn part(
+    w: &mut dyn Write,
+    path: &Path,
+    loaded: &Loaded,
+    placement: &Placement,
+) -> io::Result<()> {
     let size = placement.mesh.bounds().size();
     let s = &loaded.soundness;
     writeln!(
@@ -227,13 +262,21 @@ pub fn critical(w: &mut dyn Write, points: &[CriticalPoint]) -> io::Result<()> {
 /// Hours, minutes, seconds.
 pub fn clock(seconds: f64) -> String {
     let s = seconds.round().max(0.0) as u64;
-    if s >= 3600 { format!("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60) } else { format!("{}:{:02}", s / 60, s % 60) }
+    if s >= 3600 {
+        format!("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60)
+    } else {
+        format!("{}:{:02}", s / 60, s % 60)
+    }
 }
 
 /// The table of features.
 pub fn feature_table(w: &mut dyn Write, rows: &[FeatureJson]) -> io::Result<()> {
     writeln!(w)?;
-    writeln!(w, "{:>4}  {:<12} {:>11} {:>8} {:>10} {:>9}", "id", "feature", "area, mm2", "passes", "cut, mm", "time")?;
+    writeln!(
+        w,
+        "{:>4}  {:<12} {:>11} {:>8} {:>10} {:>9}",
+        "id", "feature", "area, mm2", "passes", "cut, mm", "time"
+    )?;
     for f in rows {
         writeln!(
             w,

@@ -41,7 +41,10 @@ struct Air {
 impl Air {
     /// Lowest height of the ball's centre over a place at which it touches no stock.
     fn from(&self, x: f64, y: f64, hint: &mut Hint) -> f64 {
-        let stock = self.thick.drop_near(x, y, hint).map_or(f64::NEG_INFINITY, |c| c.center.z);
+        let stock = self
+            .thick
+            .drop_near(x, y, hint)
+            .map_or(f64::NEG_INFINITY, |c| c.center.z);
         stock.max(self.block)
     }
 
@@ -74,13 +77,20 @@ pub fn link(
     options: &LinkOptions,
     fitting: &FitOptions,
 ) -> (Toolpath, Vec<Option<usize>>) {
-    let air = Air { thick: DropCutter::new(part, cutter.radius() + options.allowance), block: options.block_center_z };
+    let air = Air {
+        thick: DropCutter::new(part, cutter.radius() + options.allowance),
+        block: options.block_center_z,
+    };
     let down = Vector::new(0.0, 0.0, -cutter.radius());
-    let mut path = Toolpath { safe_z: options.safe_center_z - cutter.radius(), ..Toolpath::default() };
+    let mut path = Toolpath {
+        safe_z: options.safe_center_z - cutter.radius(),
+        ..Toolpath::default()
+    };
     let mut at: Option<Point> = None;
     let mut section_features: Vec<Option<usize>> = Vec::new();
     let mut hint = Hint::default();
-    let go = |moves: &mut Vec<Move>, kind: MoveKind, c: Point| moves.push(Move { kind, to: c + down });
+    let go =
+        |moves: &mut Vec<Move>, kind: MoveKind, c: Point| moves.push(Move { kind, to: c + down });
     for pass in ordered {
         let run = pass.run();
         let Some(&start) = run.first() else { continue };
@@ -90,22 +100,43 @@ pub fn link(
                 Some(k) => format!("feature {} {}", k + 1, regions.features[k].kind.name()),
                 None => "border".to_string(),
             };
-            path.sections.push(Section { name, first_move: path.moves.len() });
+            path.sections.push(Section {
+                name,
+                first_move: path.moves.len(),
+            });
         }
         let over_z = air.from(start.x, start.y, &mut hint).max(start.z) + options.clearance;
         let over = Point::new(start.x, start.y, over_z);
         match at {
             None => {
-                go(&mut path.moves, MoveKind::Rapid, Point::new(start.x, start.y, options.safe_center_z.max(over_z)));
+                go(
+                    &mut path.moves,
+                    MoveKind::Rapid,
+                    Point::new(start.x, start.y, options.safe_center_z.max(over_z)),
+                );
                 go(&mut path.moves, MoveKind::Rapid, over);
                 go(&mut path.moves, MoveKind::Plunge, start);
             }
             Some(from) => match stay_down(cutter, &air, &from, &start, over_z, options, fitting) {
-                Link::Down(points) => points.iter().for_each(|p| go(&mut path.moves, MoveKind::Link, *p)),
+                Link::Down(points) => points
+                    .iter()
+                    .for_each(|p| go(&mut path.moves, MoveKind::Link, *p)),
                 Link::Hop { out_z, top_z } => {
-                    go(&mut path.moves, MoveKind::Link, Point::new(from.x, from.y, out_z));
-                    go(&mut path.moves, MoveKind::Retract, Point::new(from.x, from.y, top_z));
-                    go(&mut path.moves, MoveKind::Rapid, Point::new(start.x, start.y, top_z));
+                    go(
+                        &mut path.moves,
+                        MoveKind::Link,
+                        Point::new(from.x, from.y, out_z),
+                    );
+                    go(
+                        &mut path.moves,
+                        MoveKind::Retract,
+                        Point::new(from.x, from.y, top_z),
+                    );
+                    go(
+                        &mut path.moves,
+                        MoveKind::Rapid,
+                        Point::new(start.x, start.y, top_z),
+                    );
                     if top_z > over_z {
                         go(&mut path.moves, MoveKind::Rapid, over);
                     }
@@ -113,13 +144,19 @@ pub fn link(
                 }
             },
         }
-        run[1..].iter().for_each(|p| go(&mut path.moves, MoveKind::Cut, *p));
+        run[1..]
+            .iter()
+            .for_each(|p| go(&mut path.moves, MoveKind::Cut, *p));
         at = run.last().copied();
     }
     if let Some(c) = at {
         let out = air.from(c.x, c.y, &mut hint).max(c.z);
         go(&mut path.moves, MoveKind::Link, Point::new(c.x, c.y, out));
-        go(&mut path.moves, MoveKind::Retract, Point::new(c.x, c.y, options.safe_center_z.max(out + options.clearance)));
+        go(
+            &mut path.moves,
+            MoveKind::Retract,
+            Point::new(c.x, c.y, options.safe_center_z.max(out + options.clearance)),
+        );
     }
     (path, section_features)
 }
@@ -156,15 +193,17 @@ fn stay_down(
         return hop;
     }
     let n = (flat / fitting.probe).ceil().max(1.0) as usize;
-    let curve: Vec<Point2> =
-        (0..=n).map(|k| from.xy() + (to.xy() - from.xy()) * (k as f64 / n as f64)).collect();
+    let curve: Vec<Point2> = (0..=n)
+        .map(|k| from.xy() + (to.xy() - from.xy()) * (k as f64 / n as f64))
+        .collect();
     let mut runs = fit(cutter, &curve, fitting);
     if runs.len() != 1 {
         return hop;
     }
     let run = runs.swap_remove(0);
     // The ends must be the passes' own, not a ball that found another footing at the same place in plan.
-    let ends_meet = run.first().is_some_and(|p| (p - from).norm() < 0.01) && run.last().is_some_and(|p| (p - to).norm() < 0.01);
+    let ends_meet = run.first().is_some_and(|p| (p - from).norm() < 0.01)
+        && run.last().is_some_and(|p| (p - to).norm() < 0.01);
     let length: f64 = run.windows(2).map(|w| (w[1] - w[0]).norm()).sum();
     // One stop, about, at either end.
     let stop = options.feed / options.acceleration;
@@ -179,13 +218,24 @@ fn stay_down(
 }
 
 /// Time of a hop, each leg from rest to rest.
-fn hop_time(from: &Point, to: &Point, out_z: f64, top_z: f64, over_z: f64, options: &LinkOptions) -> f64 {
+fn hop_time(
+    from: &Point,
+    to: &Point,
+    out_z: f64,
+    top_z: f64,
+    over_z: f64,
+    options: &LinkOptions,
+) -> f64 {
     let leg = |length: f64, speed: f64| {
         if length <= 0.0 {
             return 0.0;
         }
         let a = options.acceleration;
-        if length * a >= speed * speed { length / speed + speed / a } else { 2.0 * (length / a).sqrt() }
+        if length * a >= speed * speed {
+            length / speed + speed / a
+        } else {
+            2.0 * (length / a).sqrt()
+        }
     };
     leg(out_z - from.z, options.feed)
         + leg(top_z - out_z, options.rapid_z)

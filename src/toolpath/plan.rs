@@ -9,8 +9,8 @@ use super::pass::{Pass, passes};
 use crate::feature::{GrowOptions, Regions, grow};
 use crate::field::{Metric, Ruler};
 use crate::geom::{Point, Vector2};
-use crate::part::Mesh;
 use crate::morse::{CriticalPoint, MorseOptions, critical_points};
+use crate::part::Mesh;
 use crate::reach::{DropCutter, GridError, GridOptions, GridPlan, ToolCentreGrid};
 use crate::sweep::{Reachable, reachable, reachable_bytes};
 
@@ -122,7 +122,9 @@ pub struct Plan {
 
 /// Stepover that leaves a cusp of `scallop` on the flat, mm.
 pub fn flat_stepover(scallop: f64, radius: f64) -> f64 {
-    (8.0 * scallop * radius - 4.0 * scallop * scallop).max(0.0).sqrt()
+    (8.0 * scallop * radius - 4.0 * scallop * scallop)
+        .max(0.0)
+        .sqrt()
 }
 
 /// Cells of a sweep map at most, so that a large part is judged more coarsely rather than not at all.
@@ -142,12 +144,19 @@ pub fn default_persistence(scallop: f64, grid_step: f64, radius: f64) -> f64 {
 
 /// Step of the tool-centre grid these options lead to, mm.
 pub fn grid_step(options: &PlanOptions, radius: f64) -> f64 {
-    options.grid_step.unwrap_or_else(|| flat_stepover(options.scallop, radius) / 5.0)
+    options
+        .grid_step
+        .unwrap_or_else(|| flat_stepover(options.scallop, radius) / 5.0)
 }
 
 /// Memory that planning will take at its peak beyond the part itself, so that it can be announced or refused first.
 pub fn planned_bytes(grid: &GridPlan, cutter: &DropCutter, scallop: f64) -> u64 {
-    grid.bytes + reachable_bytes(&cutter.bounds(), cutter.radius(), sweep_step(cutter, scallop))
+    grid.bytes
+        + reachable_bytes(
+            &cutter.bounds(),
+            cutter.radius(),
+            sweep_step(cutter, scallop),
+        )
 }
 
 /// Lays the tool-centre grid over a part and finds its critical points. `announce` hears the planned grid and the bytes that
@@ -160,7 +169,10 @@ pub fn survey(
 ) -> Result<Ground, GridError> {
     stage(Stage::Reach);
     let step = grid_step(options, cutter.radius());
-    let how = GridOptions { step, memory_limit_bytes: options.memory_limit_bytes };
+    let how = GridOptions {
+        step,
+        memory_limit_bytes: options.memory_limit_bytes,
+    };
     let plan = GridPlan::new(&cutter, &how)?;
     let bytes = planned_bytes(&plan, &cutter, options.scallop);
     if bytes > options.memory_limit_bytes {
@@ -175,10 +187,21 @@ pub fn survey(
     announce(&plan, bytes);
     let grid = ToolCentreGrid::new(&cutter, &plan)?;
     stage(Stage::Morse);
-    let persistence =
-        options.persistence.unwrap_or_else(|| default_persistence(options.scallop, step, cutter.radius()));
-    let critical = critical_points(&grid, &MorseOptions { persistence_mm: persistence });
-    Ok(Ground { cutter, grid, critical, persistence })
+    let persistence = options
+        .persistence
+        .unwrap_or_else(|| default_persistence(options.scallop, step, cutter.radius()));
+    let critical = critical_points(
+        &grid,
+        &MorseOptions {
+            persistence_mm: persistence,
+        },
+    );
+    Ok(Ground {
+        cutter,
+        grid,
+        critical,
+        persistence,
+    })
 }
 
 /// Grows the features of a surveyed part.
@@ -187,8 +210,19 @@ pub fn features(ground: &Ground, options: &PlanOptions) -> Regions {
     let ruler = options.strategy.ruler();
     let cusp = Metric::new(&ground.grid, Ruler::IsoScallop, h);
     let own = (ruler != Ruler::IsoScallop).then(|| Metric::new(&ground.grid, ruler, h));
-    let how = GrowOptions { ruler, passes_min: 2.0, margin: 5.0, over_share: 0.005 };
-    grow(&ground.grid, &cusp, own.as_ref().unwrap_or(&cusp), &ground.critical, &how)
+    let how = GrowOptions {
+        ruler,
+        passes_min: 2.0,
+        margin: 5.0,
+        over_share: 0.005,
+    };
+    grow(
+        &ground.grid,
+        &cusp,
+        own.as_ref().unwrap_or(&cusp),
+        &ground.critical,
+        &how,
+    )
 }
 
 /// Plans the toolpath of a surveyed part (`part` is the mesh its cutter was made from). Also hands back the reachable surface it was judged against.
@@ -208,12 +242,27 @@ pub fn plan(
     stage(Stage::Reachable);
     let reach = reachable(cutter, sweep_step(cutter, options.scallop));
     stage(Stage::Fill);
-    let how = FillOptions { scallop: options.scallop, start: FILL_START, keep: 0.75, rounds: 6 };
+    let how = FillOptions {
+        scallop: options.scallop,
+        start: FILL_START,
+        keep: 0.75,
+        rounds: 6,
+    };
     let fill = fill(grid, cutter, &regions, &reach, &mut all, &how, &fitting);
     stage(Stage::Link);
     // Begin at the corner of the part nearest the operator's zero: lowest x and y, from above.
     let b = cutter.bounds();
     let ordered = order(all, Point::new(b.min.x, b.min.y, b.max.z + cutter.radius()));
     let (toolpath, section_features) = link(part, cutter, &ordered, &regions, links, &fitting);
-    (Plan { regions, passes: ordered, fill, toolpath, section_features, fitting }, reach)
+    (
+        Plan {
+            regions,
+            passes: ordered,
+            fill,
+            toolpath,
+            section_features,
+            fitting,
+        },
+        reach,
+    )
 }
