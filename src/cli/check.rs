@@ -84,7 +84,8 @@ struct PartFigures {
 pub fn run(args: &CheckArgs) -> Result<ExitCode, Failure> {
     args.tool.check()?;
     let machine = Machine::load(&args.machine).map_err(Failure::failed)?;
-    let post = Post::load(args.post.as_deref().unwrap_or(&machine.post)).map_err(Failure::failed)?;
+    let post =
+        Post::load(args.post.as_deref().unwrap_or(&machine.post)).map_err(Failure::failed)?;
     let dialect = dialect_of(&post).map_err(Failure::failed)?;
     let text = read_program(&args.program)?;
     let mut progress = Progress::new();
@@ -109,7 +110,10 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, Failure> {
             let step = judging_step(&bounds, radius, args.tool.scallop);
             let reach = reachable(&drop, step);
             progress.stage("check", "cutting the program");
-            heights = Some(raster(&reach.lattice, reach.part_z.iter().map(|z| *z as f32).collect()));
+            heights = Some(raster(
+                &reach.lattice,
+                reach.part_z.iter().map(|z| *z as f32).collect(),
+            ));
             let part = PartContext {
                 mesh,
                 drop: &drop,
@@ -163,21 +167,30 @@ fn read_program(path: &Path) -> Result<String, Failure> {
 }
 
 fn write_report(dir: &Path, report: &Report, heights: Option<&Raster<f32>>) -> Result<(), Failure> {
-    std::fs::create_dir_all(dir).map_err(|e| Failure::Failed(format!("{}: cannot be made: {e}", dir.display())))?;
+    std::fs::create_dir_all(dir)
+        .map_err(|e| Failure::Failed(format!("{}: cannot be made: {e}", dir.display())))?;
     write_json(&dir.join("report.json"), report)?;
-    let (Some(map), Some(f), Some(part)) = (&report.run.map, &report.run.finish, &report.part) else {
+    let (Some(map), Some(f), Some(part)) = (&report.run.map, &report.run.finish, &report.part)
+    else {
         return Ok(());
     };
     let um = |v: &[f32]| raster(&map.lattice, v.iter().map(|c| c * 1e3).collect());
     let s = &f.scallop_um;
     let png = heat_map(&HeatMap {
         title: &format!("{}: cusps after the dry run", report.file),
-        subtitle: &format!("asked for {} um; verdict: {}", 1e3 * part.scallop_mm, report.run.verdict),
+        subtitle: &format!(
+            "asked for {} um; verdict: {}",
+            1e3 * part.scallop_mm,
+            report.run.verdict
+        ),
         field: &um(&map.cusp_mm),
         quantity: "cusp height",
         unit: "um",
         limit: 1e3 * part.scallop_mm,
-        gouge: Some(Gouge { depth: &um(&map.gouge_mm), limit: 3.0 }),
+        gouge: Some(Gouge {
+            depth: &um(&map.gouge_mm),
+            limit: 3.0,
+        }),
         heights,
         facts: &[
             format!("p50   {:.1} um", s.p50),
@@ -193,7 +206,13 @@ fn write_report(dir: &Path, report: &Report, heights: Option<&Raster<f32>>) -> R
 }
 
 fn raster(lattice: &Lattice, values: Vec<f32>) -> Raster<f32> {
-    Raster { origin: lattice.origin, step: lattice.step, nx: lattice.nx, ny: lattice.ny, values }
+    Raster {
+        origin: lattice.origin,
+        step: lattice.step,
+        nx: lattice.nx,
+        ny: lattice.ny,
+        values,
+    }
 }
 
 fn print(out: &mut dyn Write, report: &Report, args: &CheckArgs) -> std::io::Result<()> {
@@ -302,26 +321,36 @@ endsolid p\n";
         }
         std::fs::write(at("good.nc"), text.clone() + "G0 Z20\nM5\nM30\n").unwrap();
         std::fs::write(at("bad.nc"), text + "G1 X6 Z-0.1\nG0 Z20\nM5\nM30\n").unwrap();
-        let with_part = |program: &str, more: &[&str]| {
+        let with_part = |program: &str, origin: &str, more: &[&str]| {
             let (program, part) = (at(program), at("p.stl"));
-            let mut words = vec![program.as_str(), "--machine", "longmill-30x30", "--part", &part];
-            words.extend(["--origin", "part", "--up", "+z"]);
+            let mut words = vec![
+                program.as_str(),
+                "--machine",
+                "longmill-30x30",
+                "--part",
+                &part,
+            ];
+            words.extend(["--origin", origin, "--up", "+z"]);
             words.extend(more);
             check(&words)
         };
         let (json, report) = (at("r.json"), at("report"));
-        assert!(with_part("good.nc", &["--json", &json, "--report", &report]).unwrap());
+        assert!(with_part("good.nc", "part", &["--json", &json, "--report", &report]).unwrap());
         let v: serde_json::Value = serde_json::from_slice(&std::fs::read(&json).unwrap()).unwrap();
         assert_eq!(v["verdict"], "pass");
         assert_eq!(v["part"]["triangles"], 2);
         assert_eq!(v["program"]["retracts"], 1);
-        assert!(std::fs::read(dir.path().join("report/cusp.png")).unwrap().starts_with(b"\x89PNG"));
+        assert!(
+            std::fs::read(dir.path().join("report/cusp.png"))
+                .unwrap()
+                .starts_with(b"\x89PNG")
+        );
         assert!(dir.path().join("report/report.json").exists());
         // Gouged, but its limits are kept.
-        assert!(!with_part("bad.nc", &[]).unwrap());
+        assert!(!with_part("bad.nc", "part", &[]).unwrap());
         assert!(check(&[&at("bad.nc"), "--machine", "longmill-30x30"]).unwrap());
         // Another zero: the same program misses the part.
-        assert!(!with_part("good.nc", &["--origin", "top-center"]).unwrap());
+        assert!(!with_part("good.nc", "top-center", &[]).unwrap());
     }
 
     #[test]
@@ -334,9 +363,15 @@ endsolid p\n";
             Err(Failure::Failed(text)) => text,
             other => format!("{other:?}"),
         };
-        assert!(failed(&[&empty, "--machine", "longmill-30x30"]).ends_with("there is no program to check"));
+        assert!(
+            failed(&[&empty, "--machine", "longmill-30x30"])
+                .ends_with("there is no program to check")
+        );
         assert!(failed(&[&folder, "--machine", "longmill-30x30"]).contains("this is a directory"));
-        assert!(failed(&["none.nc", "--machine", "longmill-30x30"]).starts_with("none.nc: cannot be read"));
+        assert!(
+            failed(&["none.nc", "--machine", "longmill-30x30"])
+                .starts_with("none.nc: cannot be read")
+        );
         assert!(failed(&[&empty, "--machine", "no-such-mill"]).contains("no-such-mill"));
     }
 }

@@ -140,7 +140,10 @@ pub fn finish(
             let q = lattice.center_at(i);
             // Over a sharp edge many balls touch: the part's own slope keeps the normal from being any of theirs.
             let z = swept.z[i];
-            let n = f64::from(reach.normal_z[i]).max(1.0 / stretch(reach, i));
+            let mut n = f64::from(reach.normal_z[i]);
+            if reach.reach_z[i] - reach.part_z[i] < 1e-3 {
+                n = n.max(1.0 / stretch(reach, i));
+            }
             let mut cusp = (z - reach.reach_z[i]) * n;
             if z == f64::INFINITY {
                 cusp = f64::INFINITY;
