@@ -4,6 +4,7 @@
 //! 2 the command could not be carried out (unreadable file, bad flag, no port). Results go to stdout, progress and complaints to stderr.
 
 pub mod args;
+pub mod check;
 pub mod features;
 pub mod machines;
 pub mod mill;
@@ -33,6 +34,8 @@ enum Command {
     Mill(Box<mill::MillArgs>),
     /// The part's critical points and machining features, without a program
     Features(Box<features::FeaturesArgs>),
+    /// Proves a program: limits, time and, with a part, cusps, gouges and rapids into stock
+    Check(Box<check::CheckArgs>),
     /// The machines that come with the program
     Machines,
     /// The G-code dialects that come with the program
@@ -69,6 +72,7 @@ pub fn main() -> ExitCode {
     let outcome = match cli.command {
         Command::Mill(a) => mill::run(&a),
         Command::Features(a) => features::run(&a),
+        Command::Check(a) => check::run(&a),
         Command::Machines => output::to_stdout(|w| machines::run(w)),
         Command::Posts => output::to_stdout(|w| posts::run(w)),
     };

@@ -57,15 +57,15 @@ fn travels(events: &[Event], machine: &Machine, out: &mut Limits) {
         if m.machine_coordinates {
             out.machine_moves = true;
             // Machine zero is at one end of each axis, on either side by the maker's taste.
-            for a in 0..3 {
+            for (a, axis) in AXES.iter().enumerate() {
                 let beyond = m.to[a].abs() - machine.travel[a].0;
                 if m.to[a] != m.from[a] && beyond > FIT {
                     out.problems.push(Problem {
                         kind: Kind::Limit,
                         line: Some(m.line),
                         text: format!(
-                            "axis {}: machine position {:.3} mm is {:.3} mm beyond the travel of {:.1} mm of {}",
-                            AXES[a], m.to[a], beyond, machine.travel[a].0, machine.name
+                            "axis {axis}: machine position {:.3} mm is {:.3} mm beyond the travel of {:.1} mm of {}",
+                            m.to[a], beyond, machine.travel[a].0, machine.name
                         ),
                     });
                 }

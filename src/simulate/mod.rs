@@ -20,5 +20,5 @@ mod material;
 pub mod report;
 mod start;
 
-pub use dry_run::{DryRunOptions, PartContext, Stock, dry_run};
+pub use dry_run::{DryRunOptions, PartContext, Stock, dry_run, judging_step};
 pub use report::{DryRun, Extents, Kind, Problem, ProgramFigures, TimeFigures, Verdict};

@@ -29,8 +29,8 @@ pub fn read(text: &str, dialect: Dialect) -> Result<Read, Vec<InterpretError>> {
     // Twice at most: to see which axes are told, and again with the others at zero.
     for _ in 0..2 {
         let mut state = State::new(dialect);
-        for a in 0..3 {
-            if !assumed[a] {
+        for (a, assumed) in assumed.iter().enumerate() {
+            if !assumed {
                 state.position[a] = UNKNOWN;
             }
         }
@@ -49,8 +49,8 @@ pub fn read(text: &str, dialect: Dialect) -> Result<Read, Vec<InterpretError>> {
                 assumed,
             });
         }
-        for a in 0..3 {
-            assumed[a] |= missing[a];
+        for (assumed, missing) in assumed.iter_mut().zip(missing) {
+            *assumed |= missing;
         }
     }
     // An arc from an untold place and the like: take the controller's own zero.

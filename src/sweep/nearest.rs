@@ -20,6 +20,8 @@ pub struct Paths {
     /// Where each bucket's list begins in `members`; one more entry than buckets.
     starts: Vec<u32>,
     members: Vec<u32>,
+    /// Lowest centre of each bucket's segments.
+    low: Vec<f64>,
 }
 
 impl Paths {
@@ -60,6 +62,7 @@ impl Paths {
             ny,
             starts: vec![0; nx * ny + 1],
             members: Vec::new(),
+            low: vec![f64::INFINITY; nx * ny],
         };
         let mut count = vec![0u32; nx * ny];
         for s in &paths.segments {
@@ -78,6 +81,14 @@ impl Paths {
                 at[b] += 1;
             });
         }
+        let mut low = vec![f64::INFINITY; nx * ny];
+        for (b, low) in low.iter_mut().enumerate() {
+            for &i in &members[paths.starts[b] as usize..paths.starts[b + 1] as usize] {
+                let s = &paths.segments[i as usize];
+                *low = low.min(s.from.z).min(s.to.z);
+            }
+        }
+        paths.low = low;
         paths.members = members;
         paths
     }
@@ -155,6 +166,16 @@ impl Paths {
                         return;
                     }
                     let b = y as usize * self.nx + x as usize;
+                    // Nothing in this bucket is nearer than its box, which begins at its lowest centre.
+                    let gap = |v: f64, first: f64| {
+                        (first - v).max(v - first - self.size).max(0.0) - 1e-5 * self.size
+                    };
+                    let dx = gap(p.x, self.origin.x + x * self.size).max(0.0);
+                    let dy = gap(p.y, self.origin.y + y * self.size).max(0.0);
+                    let dz = (self.low[b] - p.z).max(0.0);
+                    if dx * dx + dy * dy + dz * dz > best * best {
+                        return;
+                    }
                     for &i in &self.members[self.starts[b] as usize..self.starts[b + 1] as usize] {
                         let d = curtain_distance(&self.segments[i as usize], p);
                         if d <= best {

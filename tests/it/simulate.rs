@@ -415,3 +415,57 @@ fn json_has_the_promised_names() {
     assert_eq!(v["verdict"], "pass");
     assert!(v["problems"].is_array());
 }
+
+/// A real part cut by a plain raster of exact drops: the figures, and where the time goes.
+#[test]
+#[ignore = "a measurement: set RASTER_PART to an STL, run with --ignored --nocapture; RASTER_OUT keeps the program"]
+fn raster_over_a_real_part() {
+    let Ok(path) = std::env::var("RASTER_PART") else {
+        return;
+    };
+    let loaded = morsemill::part::load(path.as_ref(), morsemill::part::Units::Mm).unwrap();
+    let mesh = loaded.mesh;
+    let drop = DropCutter::new(&mesh, R);
+    let b = drop.bounds();
+    let mut text = format!("{HEAD}G0 Z{:.3}\n", b.max.z + 5.0);
+    let w = 0.3;
+    let n = ((b.size().y + 2.0) / w) as usize;
+    let mut first = true;
+    for k in 0..=n {
+        let y = b.min.y - 1.0 + w * k as f64;
+        let m = ((b.size().x + 2.0) / 0.2) as usize;
+        for i in 0..=m {
+            let i = if k % 2 == 0 { i } else { m - i };
+            let x = b.min.x - 1.0 + 0.2 * i as f64;
+            if let Some(c) = drop.drop(x, y) {
+                if first {
+                    writeln!(text, "G0 X{x:.3} Y{y:.3}").unwrap();
+                    first = false;
+                }
+                writeln!(text, "G1 X{x:.3} Y{y:.3} Z{:.3} F1500", c.center.z - R).unwrap();
+            }
+        }
+    }
+    writeln!(text, "G0 Z{:.3}\nM5\nM30", b.max.z + 5.0).unwrap();
+    if let Ok(out) = std::env::var("RASTER_OUT") {
+        std::fs::write(out, &text).unwrap();
+    }
+    let options = options();
+    let t = std::time::Instant::now();
+    let step = morsemill::simulate::judging_step(&b, R, 0.02);
+    let reach = reachable(&drop, step);
+    eprintln!(
+        "reachable at {step:.4} mm, {} cells: {:?}",
+        reach.lattice.len(),
+        t.elapsed()
+    );
+    let part = PartContext {
+        mesh: &mesh,
+        drop: &drop,
+        reachable: &reach,
+    };
+    let t = std::time::Instant::now();
+    let r = dry_run(&text, Dialect::Grbl, &machine(), Some(&part), &options);
+    eprintln!("dry run of {} lines: {:?}", r.program.lines, t.elapsed());
+    eprintln!("{:?}\n{:?}", r.finish, r.problems);
+}
