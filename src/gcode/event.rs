@@ -57,11 +57,21 @@ pub struct Motion {
     pub line: usize,
 }
 
-/// One thing a program makes the machine do.
+/// One thing a program makes the machine do. Commands that wait for standstill are [`Event::Dwell`], [`Event::Spindle`],
+/// [`Event::Coolant`], [`Event::ToolChange`], [`Event::Probe`], [`Event::Sync`], [`Event::End`] and a [`Event::Pause`] that is not optional.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Event {
     /// Move.
     Motion(Motion),
+    /// Move in a straight line at feed until the probe says stop (G38.2 to G38.5); `motion.to` is as far as it may go.
+    Probe {
+        /// The longest motion there can be.
+        motion: Motion,
+        /// Move until contact is lost, rather than until it is made (G38.4, G38.5).
+        away: bool,
+        /// A miss is an alarm (G38.2, G38.4).
+        strict: bool,
+    },
     /// Stand still (G4).
     Dwell {
         /// How long.
@@ -118,6 +128,7 @@ impl Event {
     pub fn line(&self) -> usize {
         match *self {
             Event::Motion(m) => m.line,
+            Event::Probe { motion, .. } => motion.line,
             Event::Dwell { line, .. }
             | Event::Spindle { line, .. }
             | Event::Coolant { line, .. }

@@ -2,7 +2,35 @@
 //!
 //! Crosses the border: program text in; [`Event`]s in work coordinates, mm and mm/min, out. No I/O, no machine limits, and
 //! never any knowledge of `post`: the two are each other's witness.
+//!
+//! ```text
+//! word -> block -> check -> interpret -> event
+//! letters  one      against   carried      what the
+//! numbers  line     state     out          machine is told
+//! ```
+//!
+//! ```
+//! use morsemill::gcode::{Dialect, interpret};
+//!
+//! let program = interpret("G21 G90\nG0 Z5\nG1 Z-1 F300\nX10\n", Dialect::Grbl).unwrap();
+//! assert_eq!(program.events.len(), 3);
+//!
+//! let mistakes = interpret("G1 X10\n", Dialect::Grbl).unwrap_err();
+//! assert!(mistakes[0].to_string().starts_with("1:1 this move has no feed rate"));
+//! ```
 
+mod arc;
+mod block;
+mod check;
+pub mod error;
 pub mod event;
+pub mod interpret;
+pub mod state;
+mod word;
 
+pub use error::{Code, Complaint, InterpretError};
 pub use event::{Arc, Event, Motion, MotionKind, Plane};
+pub use interpret::{
+    MAX_ERRORS, Program, interpret, interpret_from, interpret_jog, interpret_line, lines,
+};
+pub use state::{Dialect, Distance, FeedMode, MotionMode, PathMode, Probe, State, Units};
