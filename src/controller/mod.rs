@@ -1,1 +1,5 @@
-//! To come.
+//! x
+pub mod intake;
+pub mod motion;
+pub mod settings;
+mod complaint;

@@ -11,7 +11,7 @@ pub mod port;
 pub mod session;
 pub mod stream;
 
-pub use job::{Job, JobLine};
+pub use job::{Job, JobError, JobLine, Refusal};
 pub use outcome::{Command, Ending, Outcome, Progress};
 pub use port::{Port, PortError, SerialPort};
 pub use session::{Session, SessionOptions, drive};

@@ -79,7 +79,7 @@ enum Phase {
 pub struct Session {
     options: SessionOptions,
     job: Vec<JobLine>,
-    end: Option<[f64; 3]>,
+    end: [Option<f64>; 3],
     stream: Option<Stream>,
     phase: Phase,
     since: Duration,
@@ -116,7 +116,7 @@ impl Session {
     pub fn new(job: Job, options: SessionOptions) -> Session {
         Session {
             total: job.lines.len(),
-            end: job.end.map(|p| [p.x, p.y, p.z]),
+            end: job.end,
             job: job.lines,
             options,
             stream: None,
@@ -577,9 +577,8 @@ impl Session {
 
     fn finish(&mut self, now: Duration) {
         if let Some(reported) = self.position {
-            if let Some(expected) = self.end
-                && (0..3).any(|i| (expected[i] - reported[i]).abs() > self.options.end_tolerance)
-            {
+            let expected: [f64; 3] = std::array::from_fn(|i| self.end[i].unwrap_or(reported[i]));
+            if (0..3).any(|i| (expected[i] - reported[i]).abs() > self.options.end_tolerance) {
                 self.ending = Ending::Elsewhere { expected, reported };
             }
             self.enter(Phase::Ended, now);
