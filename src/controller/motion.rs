@@ -178,6 +178,11 @@ impl Motion {
         self.holding = true;
     }
 
+    /// A hold is in force.
+    pub fn is_holding(&self) -> bool {
+        self.holding
+    }
+
     /// Ends a hold that has come to rest; the rest of the queue goes on from standstill.
     pub fn release(&mut self) {
         self.holding = false;
