@@ -1,1 +1,15 @@
-//! To come.
+//! When the machine is where: GRBL's junction-deviation planner with the machine's own window, block profiles, arcs as chords, time.
+//!
+//! Crosses the border: motions (mm, mm/min) and [`Settings`] in; blocks with speeds in mm/s and times in s out. Knows no shapes, no
+//! stock and no protocol. One planner serves two clocks: the time estimate ([`program_time`]) pops a block whenever the window is
+//! full, the simulated controller pops one when its own time comes.
+
+pub mod chord;
+pub mod planner;
+pub mod profile;
+pub mod time;
+
+pub use chord::{Chords, chords};
+pub use planner::{Block, Overrides, Planner, Pushed, Settings, Speed, Target};
+pub use profile::{Profile, Ramp};
+pub use time::{Times, program_time};
