@@ -2,10 +2,10 @@
 
 use super::complaint::error_number;
 use super::execute::Step;
-use super::motion::Speed;
 use super::{Controller, Mode};
 use crate::gcode::{State as Parser, interpret_jog, interpret_line};
 use crate::geom::Point;
+use crate::kinematics::Speed;
 
 impl Controller {
     /// Carries out a line that begins with `$`, and answers it (now, or behind the steps it queues).
@@ -103,12 +103,12 @@ impl Controller {
         let mut ahead: Parser = self.parser.clone();
         let motion = interpret_jog(&mut ahead, text, 0).map_err(|e| error_number(&e.complaint))?;
         let to = ahead.machine_position();
-        if self.memory.is_on(20) && self.outside([to.x, to.y, to.z]) {
+        if self.memory.is_on(20) && self.outside(&to) {
             return Err(15);
         }
         self.parser = ahead;
         self.mode = Mode::Jog;
-        self.steps.push_back(Step::Block { to: [to.x, to.y, to.z], speed: Speed::Fixed(motion.feed.mm_per_s()) });
+        self.steps.push_back(Step::Block { to, speed: Speed::Fixed(motion.feed) });
         Ok(())
     }
 
@@ -130,9 +130,9 @@ impl Controller {
     }
 
     /// Where the axes stand after homing.
-    pub(super) fn homed_position(&self) -> [f64; 3] {
+    pub(super) fn homed_position(&self) -> Point {
         let (mask, off, travel) = (self.memory.get(23) as u32, self.memory.get(27), self.memory.axes(130));
-        std::array::from_fn(|i| if mask >> i & 1 == 1 { off - travel[i] } else { -off })
+        Point::from([0, 1, 2].map(|i| if mask >> i & 1 == 1 { off - travel[i] } else { -off }))
     }
 
     fn startup_line(&mut self, rest: &str, idle: bool) -> Result<(), u16> {
@@ -182,6 +182,7 @@ impl Controller {
         }
         if what != "#" {
             self.memory.restore();
+            self.motion.set_settings(&self.memory.planner_settings(super::BLOCKS));
         }
         if what != "$" {
             self.parser.g5x = Default::default();
@@ -205,6 +206,7 @@ impl Controller {
             return Err(3);
         }
         self.memory.store(number, value)?;
+        self.motion.set_settings(&self.memory.planner_settings(super::BLOCKS));
         self.refresh_offset();
         self.wco_in = 0;
         Ok(())

@@ -2,10 +2,11 @@
 
 use super::complaint::error_number;
 use super::intake::Line;
-use super::motion::Speed;
 use super::{Controller, Deaf, Mode, Suspend};
 use crate::gcode::{Event, Motion, MotionKind, interpret_line};
-use crate::geom::Point;
+use crate::geom::{Point, Vector};
+use crate::kinematics::{Speed, chords};
+use crate::units::Mm;
 
 /// The largest part of a second the firmware can dwell by: it rounds up to whole ones.
 const DWELL_STEP: f64 = 0.05;
@@ -14,7 +15,7 @@ const DWELL_STEP: f64 = 0.05;
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Step {
     /// Queue a straight block; waits while the window is full. Machine coordinates, mm.
-    Block { to: [f64; 3], speed: Speed },
+    Block { to: Point, speed: Speed },
     /// Wait until all motion has ended.
     Sync,
     /// Wait so many seconds, in Idle.
@@ -46,7 +47,12 @@ impl Controller {
     pub(super) fn work(&mut self) {
         loop {
             match self.deaf {
-                Deaf::Until(t) if self.now >= t - 1e-12 => self.deaf = Deaf::No,
+                Deaf::Until(t) if self.now >= t - 1e-12 => {
+                    self.deaf = Deaf::No;
+                    if self.dead {
+                        self.say("[MSG:Reset to continue]");
+                    }
+                }
                 Deaf::ThenRestart(t) if self.now >= t - 1e-12 => self.finish_reset(),
                 Deaf::No => {}
                 _ => return,
@@ -98,7 +104,7 @@ impl Controller {
             }
             self.motion.abort();
             let here = self.motion.position();
-            self.parser.set_machine_position(&Point::new(here[0], here[1], here[2]));
+            self.parser.set_machine_position(&here);
             self.mode = Mode::Normal;
         }
     }
@@ -149,7 +155,7 @@ impl Controller {
                 Event::Probe { motion, strict, .. } => {
                     let to = motion.to + shift;
                     self.steps.push_back(Step::Sync);
-                    self.steps.push_back(Step::Block { to: [to.x, to.y, to.z], speed: Speed::Fixed(motion.feed.mm_per_s()) });
+                    self.steps.push_back(Step::Block { to, speed: Speed::Fixed(motion.feed) });
                     self.steps.push_back(Step::Sync);
                     self.steps.push_back(Step::ProbeMissed { strict: *strict });
                 }
@@ -176,29 +182,27 @@ impl Controller {
         self.steps.push_back(Step::Offset);
     }
 
-    fn queue_motion(&mut self, motion: &Motion, shift: &crate::geom::Vector) {
-        let length = |a: &Point, b: &Point| (b - a).norm();
-        let points: Vec<Point> = match &motion.arc {
-            None => vec![motion.to],
-            Some(arc) => crate::kinematics::chord(motion, arc, self.memory.get(12)),
+    fn queue_motion(&mut self, motion: &Motion, shift: &Vector) {
+        let pieces = match &motion.arc {
+            None => None,
+            Some(arc) => Some(chords(&motion.from, &motion.to, arc, Mm(self.memory.get(12)))),
         };
-        let pieces = points.len() as f64;
-        let mut from = motion.from;
-        for to in points {
-            let speed = match motion.kind {
-                MotionKind::Rapid => Speed::Rapid,
-                // G93: so many pieces of the block per minute, each with the feed of its own length.
-                MotionKind::Feed if motion.inverse_time => Speed::Feed(length(&from, &to) * motion.feed.0 * pieces / 60.0),
-                MotionKind::Feed => Speed::Feed(motion.feed.mm_per_s()),
-            };
-            from = to;
-            let to = to + shift;
-            self.steps.push_back(Step::Block { to: [to.x, to.y, to.z], speed });
+        let speed = match (motion.kind, motion.inverse_time) {
+            (MotionKind::Rapid, _) => Speed::Rapid,
+            // The block's time is shared by its pieces.
+            (_, true) => Speed::InverseTime(motion.feed.0 * pieces.as_ref().map_or(1.0, |p| f64::from(p.chord_count()))),
+            (_, false) => Speed::Feed(motion.feed),
+        };
+        match pieces {
+            None => self.steps.push_back(Step::Block { to: motion.to + shift, speed }),
+            Some(pieces) => {
+                self.steps.extend(pieces.map(|p| Step::Block { to: p + shift, speed }));
+            }
         }
     }
 
     /// True when a machine position is outside the travel, which lies on the negative side of zero.
-    pub(super) fn outside(&self, p: [f64; 3]) -> bool {
+    pub(super) fn outside(&self, p: &Point) -> bool {
         let travel = self.memory.axes(130);
         (0..3).any(|i| p[i] > 0.0 || p[i] < -travel[i])
     }
@@ -208,7 +212,7 @@ impl Controller {
         let Some(step) = self.steps.front().cloned() else { return false };
         match step {
             Step::Block { to, speed } => {
-                if self.memory.is_on(20) && self.outside(to) {
+                if self.memory.is_on(20) && self.outside(&to) {
                     self.motion.hold();
                     self.soft_limit = true;
                     // The line's answer survives until the reset.
@@ -219,14 +223,11 @@ impl Controller {
                     self.motion.start();
                     return false;
                 }
-                self.motion.push(to, speed, &self.memory);
+                self.motion.push(to, speed);
             }
             Step::Sync => {
                 self.motion.start();
                 if self.motion.going() || !self.motion.is_empty() {
-                    return false;
-                }
-                if self.was_going {
                     return false;
                 }
             }
@@ -273,7 +274,7 @@ impl Controller {
             Step::Homed => {
                 let home = self.homed_position();
                 self.motion.set_position(home);
-                self.parser.set_machine_position(&Point::new(home[0], home[1], home[2]));
+                self.parser.set_machine_position(&home);
                 self.mode = Mode::Normal;
                 self.queue_startup_lines();
             }

@@ -34,15 +34,19 @@ mod realtime;
 mod report;
 pub mod settings;
 
+pub use pty::{Pace, Pty, PtyError, Readout};
 pub use settings::Memory;
 
 use crate::gcode::{Dialect, State as Parser};
 use crate::geom::Point;
+use crate::kinematics::Overrides;
 use execute::Step;
 use intake::Intake;
-use motion::{Factors, Motion};
+use motion::Motion;
 use std::collections::VecDeque;
 
+/// Usable blocks of look-ahead in the firmware as shipped.
+const BLOCKS: usize = 15;
 /// Seconds the firmware is deaf after an alarm.
 const DEAF: f64 = 0.5;
 
@@ -112,11 +116,10 @@ pub struct Controller {
     spindle_stopped: bool,
     /// WCO as reports show it: it lags behind the parser until the motion before has ended.
     offset: [f64; 3],
-    probe: [f64; 3],
+    probe: Point,
     probe_hit: bool,
     wco_in: u32,
     overrides_in: u32,
-    was_going: bool,
     first_motion: Option<f64>,
     last_motion: f64,
     soft_limit: bool,
@@ -126,11 +129,11 @@ impl Controller {
     /// A controller just switched on, at machine zero, with these settings.
     pub fn new(memory: Memory) -> Controller {
         let mut controller = Controller {
+            motion: Motion::new(&memory.planner_settings(BLOCKS), Point::origin()),
             memory,
             parser: Parser::new(Dialect::Grbl),
             intake: Intake::new(crate::wire::RX_BYTES),
             flags: realtime::Flags::default(),
-            motion: Motion::new(15, [0.0; 3]),
             steps: VecDeque::new(),
             mode: Mode::Normal,
             suspend: Suspend::None,
@@ -144,11 +147,10 @@ impl Controller {
             rpm: 0.0,
             spindle_stopped: false,
             offset: [0.0; 3],
-            probe: [0.0; 3],
+            probe: Point::origin(),
             probe_hit: false,
             wco_in: 0,
             overrides_in: 0,
-            was_going: false,
             first_motion: None,
             last_motion: 0.0,
             soft_limit: false,
@@ -174,24 +176,42 @@ impl Controller {
         *self = fresh;
     }
 
-    /// Bytes from the cable, all at this moment.
+    /// Bytes from the cable. They arrive at this moment of machine time, but one after the other: the main loop looks at real-time
+    /// flags between them as often as it would at 115200 baud, so repeats are merged the way they are on the cable.
     pub fn feed(&mut self, bytes: &[u8]) {
-        let mut rest = bytes.iter();
-        while let Some(&byte) = rest.next() {
+        let mut busy_until = 0.0;
+        for (index, &byte) in bytes.iter().enumerate() {
+            let at = index as f64 + 1.0;
+            if !self.flags.is_empty() && at > busy_until {
+                busy_until = f64::max(busy_until, at - 1.0) + self.flags.bytes_to_serve();
+                self.work();
+            }
+            if self.intake.free() == 0 {
+                // The main loop empties the ring as it fills, unless a line holds it up.
+                self.work();
+            }
             match self.intake.arrive(byte) {
                 Some(crate::wire::Realtime::Reset) => {
                     // What came before the reset was read before it; what comes with it is thrown away by it.
                     self.work();
                     if self.reset() {
-                        for &late in rest.by_ref() {
+                        for &late in bytes.get(index + 1..).unwrap_or_default() {
                             if let Some(command) = self.intake.arrive(late) {
                                 self.flags.set(command);
                             }
                         }
                         self.intake.clear();
+                        break;
                     }
                 }
-                Some(command) => self.flags.set(command),
+                Some(command) => {
+                    let first = self.flags.is_empty();
+                    self.flags.set(command);
+                    if first && at > busy_until {
+                        busy_until = at + self.flags.bytes_to_serve();
+                        self.work();
+                    }
+                }
                 None => {}
             }
         }
@@ -217,6 +237,11 @@ impl Controller {
     /// What it said since the last call.
     pub fn output(&mut self) -> Vec<u8> {
         std::mem::take(&mut self.out)
+    }
+
+    /// It has said something that was not taken yet.
+    pub fn has_output(&self) -> bool {
+        !self.out.is_empty()
     }
 
     /// Machine time since it was made, s.
@@ -253,7 +278,7 @@ impl Controller {
     }
 
     /// Machine position, mm.
-    pub fn position(&self) -> [f64; 3] {
+    pub fn position(&self) -> Point {
         self.motion.position()
     }
 
@@ -276,12 +301,11 @@ impl Controller {
                 // A hold stops a dwell's clock.
                 *t += dt;
             }
-            self.motion.advance(dt);
-            if self.motion.going() || self.was_going {
+            if self.motion.moving() {
                 self.first_motion.get_or_insert(self.now);
                 self.last_motion = self.now + dt;
             }
-            self.was_going = self.motion.going();
+            self.motion.advance(dt);
         }
     }
 
@@ -337,9 +361,9 @@ impl Controller {
         }
         let here = self.motion.position();
         self.motion.abort();
-        self.motion.set_factors(Factors { feed: 1.0, rapid: 1.0 });
+        self.motion.set_overrides(Overrides { feed: 1.0, rapid: 1.0 });
         self.parser.reset();
-        self.parser.set_machine_position(&Point::new(here[0], here[1], here[2]));
+        self.parser.set_machine_position(&here);
         self.intake.clear();
         self.flags = realtime::Flags::default();
         self.steps.clear();
@@ -349,7 +373,7 @@ impl Controller {
         self.soft_limit = false;
         self.percent = NO_OVERRIDES;
         (self.spindle, self.rpm, self.spindle_stopped) = (0, 0.0, false);
-        (self.probe, self.probe_hit) = ([0.0; 3], false);
+        (self.probe, self.probe_hit) = (Point::origin(), false);
         self.restart();
     }
 
@@ -370,9 +394,6 @@ impl Controller {
         self.say(&format!("ALARM:{number}"));
         self.mode = Mode::Alarm;
         self.deaf = Deaf::Until(self.now + DEAF);
-        if number <= 2 {
-            self.say("[MSG:Reset to continue]");
-            self.dead = true;
-        }
+        self.dead = number <= 2;
     }
 }

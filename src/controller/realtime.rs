@@ -1,7 +1,7 @@
 //! Real-time commands: flags, not counters, looked at between steps.
 
-use super::motion::Factors;
 use super::{Controller, Deaf, Mode, NO_OVERRIDES, Suspend};
+use crate::kinematics::Overrides;
 use crate::wire::Realtime;
 
 /// What has arrived since the last look. Repeats within one look are merged, as in the firmware.
@@ -13,6 +13,15 @@ impl Flags {
         if command != Realtime::Nothing && !self.0.contains(&command) {
             self.0.push(command);
         }
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// How many bytes arrive at 115200 baud while these are served (measured on the real firmware; a report takes its printing).
+    pub fn bytes_to_serve(&self) -> f64 {
+        if self.0.contains(&Realtime::Status) { 57.0 } else { 2.8 }
     }
 }
 
@@ -82,7 +91,7 @@ impl Controller {
     /// Brings the axes in line with the override percentages.
     pub(super) fn apply_overrides(&mut self) {
         self.overrides_in = 0;
-        self.motion.set_factors(Factors {
+        self.motion.set_overrides(Overrides {
             feed: f64::from(self.percent.feed) / 100.0,
             rapid: f64::from(self.percent.rapid) / 100.0,
         });

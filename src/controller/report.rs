@@ -52,10 +52,8 @@ impl Controller {
 
     pub(super) fn report_status(&mut self) {
         let mut status = Status::new(self.state());
-        let steps = self.memory.axes(100);
-        let place = self.motion.position();
-        // Whole steps, as the firmware counts.
-        let place: [f64; 3] = std::array::from_fn(|i| (place[i] * steps[i]).round() / steps[i]);
+        let place = self.motion.position_in_steps();
+        let place = [place.x, place.y, place.z];
         let mask = self.memory.get(10) as u32;
         status.position = Some(if mask & 1 == 1 {
             Position::Machine(place.map(|c| self.shown(c)))
@@ -66,7 +64,9 @@ impl Controller {
             status.buffer = Some(Buffer { blocks: self.motion.free(), bytes: self.intake.free() });
         }
         status.feed = Some(self.shown(self.motion.speed() * 60.0));
-        let turning = self.spindle != 0 && !self.spindle_stopped && !matches!(self.suspend, Suspend::Door);
+        // In laser mode the beam is off unless the axes move.
+        let dark = self.memory.is_on(32) && !self.motion.going();
+        let turning = self.spindle != 0 && !dark && !self.spindle_stopped && !matches!(self.suspend, Suspend::Door);
         status.speed = Some(if turning { self.rpm * f64::from(self.percent.spindle) / 100.0 } else { 0.0 });
 
         let busy = matches!(status.state, State::Run | State::Hold { .. } | State::Jog | State::Home | State::Door(_));
@@ -152,7 +152,7 @@ impl Controller {
     }
 
     pub(super) fn report_probe(&mut self) {
-        let line = format!("[PRB:{}:{}]", self.triple(self.probe), u8::from(self.probe_hit));
+        let line = format!("[PRB:{}:{}]", self.triple([self.probe.x, self.probe.y, self.probe.z]), u8::from(self.probe_hit));
         self.say(&line);
     }
 

@@ -1,6 +1,8 @@
 //! The `$n=value` memory and what survives a power cycle beside it.
 
+use crate::kinematics::Settings;
 use crate::machine::Machine;
+use crate::units::{Mm, MmPerMin, MmPerSec2, Seconds};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
@@ -98,6 +100,23 @@ impl Memory {
     /// The X, Y, Z values of `$first`, `$first+1`, `$first+2`.
     pub fn axes(&self, first: u16) -> [f64; 3] {
         [self.get(first), self.get(first + 1), self.get(first + 2)]
+    }
+
+    /// What the planner must know, with a window of `blocks`. Zeros, which the firmware would store without complaint, become the
+    /// smallest figure that still moves.
+    pub fn planner_settings(&self, blocks: usize) -> Settings {
+        let above_zero = |v: [f64; 3]| v.map(|x| if x > 1e-3 { x } else { 1e-3 });
+        let idle = self.get(1);
+        Settings {
+            steps_per_mm: above_zero(self.axes(100)),
+            max_rate: above_zero(self.axes(110)).map(MmPerMin),
+            acceleration: above_zero(self.axes(120)).map(MmPerSec2),
+            junction_deviation: Mm(self.get(11)),
+            arc_tolerance: Mm(self.get(12).max(1e-6)),
+            blocks,
+            // 255 holds the motors for ever, without waiting for it.
+            idle_delay: Seconds(if idle >= 255.0 { 0.0 } else { idle / 1000.0 }),
+        }
     }
 
     /// Sets a value without the checks of `$n=`.

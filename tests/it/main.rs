@@ -1,0 +1,4 @@
+//! Integration tests, one binary; modules in reading order.
+
+mod link;
+mod recordings;
