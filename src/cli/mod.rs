@@ -1,5 +1,8 @@
 //! The command line: the only place that prints, asks or names files.
 
+pub mod machines;
+pub mod posts;
+
 /// Runs the program; the exit code is 0 clean, 1 not acceptable, 2 could not be carried out.
 pub fn main() -> std::process::ExitCode {
     std::process::ExitCode::from(2)

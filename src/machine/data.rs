@@ -1,0 +1,431 @@
+//! Reading data files (machines, dialects) with complaints a machinist can act on.
+//!
+//! Crosses the border: TOML text in, a checked value or a [`DataError`] with file, line and column out. Knows nothing of what
+//! the figures mean; whoever owns a format passes the bounds.
+
+use serde::de::DeserializeOwned;
+use toml::Spanned;
+
+/// A place in a data file; line and column count from 1, the column in characters.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Place {
+    /// The file as the user named it, or `machines/NAME.toml` and the like for a built-in one.
+    pub file: String,
+    /// Line, from 1.
+    pub line: usize,
+    /// Column in characters, from 1.
+    pub column: usize,
+}
+
+impl std::fmt::Display for Place {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}:{}:{}", self.file, self.line, self.column)
+    }
+}
+
+/// Why a data file was refused.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum DataError {
+    /// Not TOML, or a value of the wrong kind.
+    #[error("{at}: {message}")]
+    Syntax {
+        /// Where.
+        at: Place,
+        /// What is wrong, in the reader's words.
+        message: String,
+    },
+    /// A key this format does not have.
+    #[error("{at}: unknown key \"{key}\"{}; the keys here are {}", did_you_mean(.nearest), .known.join(", "))]
+    UnknownKey {
+        /// Where.
+        at: Place,
+        /// The key as written.
+        key: String,
+        /// The closest known key, when one is close.
+        nearest: Option<String>,
+        /// All keys of this table.
+        known: Vec<String>,
+    },
+    /// A key that must be there is not.
+    #[error("{at}: \"{key}\" is missing: add it (the files in {folder}/ show how)")]
+    Missing {
+        /// The table it is missing from.
+        at: Place,
+        /// The key.
+        key: String,
+        /// Folder with examples.
+        folder: String,
+    },
+    /// A value that cannot be right.
+    #[error("{at}: {key} = {value}: {problem}")]
+    Value {
+        /// Where.
+        at: Place,
+        /// The key.
+        key: String,
+        /// The value as read.
+        value: String,
+        /// What is wrong and what to do.
+        problem: String,
+    },
+    /// Neither the name of a built-in file nor a path.
+    #[error("{kind} \"{name}\" is not known{}; there are {}; a file of your own is named by its path, e.g. ./{name}.toml",
+            did_you_mean(.nearest), .known.join(", "))]
+    UnknownName {
+        /// "machine" or "post".
+        kind: String,
+        /// The name as given.
+        name: String,
+        /// The closest known name, when one is close.
+        nearest: Option<String>,
+        /// All built-in names.
+        known: Vec<String>,
+    },
+    /// A file that could not be read.
+    #[error("{path}: cannot be read as a {kind}: {problem}")]
+    Unreadable {
+        /// "machine" or "post".
+        kind: String,
+        /// The path as given.
+        path: String,
+        /// Why, and what to do.
+        problem: String,
+    },
+    /// More than one complaint about the same file, in reading order.
+    #[error("{}", .0.iter().map(|e| e.to_string()).collect::<Vec<_>>().join("\n"))]
+    Several(Vec<DataError>),
+}
+
+fn did_you_mean(nearest: &Option<String>) -> String {
+    nearest
+        .as_ref()
+        .map(|n| format!(" (did you mean \"{n}\"?)"))
+        .unwrap_or_default()
+}
+
+/// A data file being read: its name for complaints, its text, and the complaints so far.
+pub struct Reader<'a> {
+    /// File name for complaints.
+    pub file: String,
+    /// The whole text.
+    pub text: &'a str,
+    /// Folder with good examples, for complaints.
+    pub folder: &'static str,
+    /// Complaints so far, in the order they were made.
+    pub complaints: Vec<DataError>,
+}
+
+/// The numbers a figure may have.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    /// Smallest value allowed.
+    pub min: f64,
+    /// Largest value allowed.
+    pub max: f64,
+    /// True when `min` itself is refused (a rate of zero).
+    pub above_min: bool,
+}
+
+impl<'a> Reader<'a> {
+    /// A reader of `text`, which complaints will call `file`; `folder` is where good examples lie.
+    pub fn new(file: impl Into<String>, text: &'a str, folder: &'static str) -> Self {
+        Reader {
+            file: file.into(),
+            text,
+            folder,
+            complaints: Vec::new(),
+        }
+    }
+
+    /// The place of a byte offset of the text; an offset past the end is the end.
+    pub fn place(&self, byte: usize) -> Place {
+        let mut end = byte.min(self.text.len());
+        while !self.text.is_char_boundary(end) {
+            end -= 1;
+        }
+        let before = &self.text[..end];
+        let start_of_line = before.rfind('\n').map_or(0, |i| i + 1);
+        Place {
+            file: self.file.clone(),
+            line: before.matches('\n').count() + 1,
+            column: before[start_of_line..].chars().count() + 1,
+        }
+    }
+
+    /// The text as `T`. The error of an unknown key names the closest known one.
+    pub fn parse<T: DeserializeOwned>(&self) -> Result<T, DataError> {
+        toml::from_str(self.text).map_err(|e| self.explain(&e))
+    }
+
+    /// serde's words turned into ours. They are matched by their back-quotes; words we do not know are passed on as they are.
+    fn explain(&self, e: &toml::de::Error) -> DataError {
+        let at = self.place(e.span().map_or(0, |s| s.start));
+        let message = e.message();
+        let quoted: Vec<String> = message
+            .split('`')
+            .skip(1)
+            .step_by(2)
+            .map(str::to_string)
+            .collect();
+        match quoted.split_first() {
+            Some((key, known)) if message.starts_with("unknown field") => DataError::UnknownKey {
+                at,
+                key: key.clone(),
+                nearest: nearest(key, known.iter().map(String::as_str)),
+                known: known.to_vec(),
+            },
+            Some((key, _)) if message.starts_with("missing field") => DataError::Missing {
+                at,
+                key: key.clone(),
+                folder: self.folder.to_string(),
+            },
+            _ => DataError::Syntax {
+                at,
+                message: plain(message),
+            },
+        }
+    }
+
+    /// Notes a complaint about a value.
+    pub fn complain<T>(
+        &mut self,
+        key: &str,
+        value: &Spanned<T>,
+        shown: String,
+        problem: impl Into<String>,
+    ) {
+        let e = DataError::Value {
+            at: self.place(value.span().start),
+            key: key.to_string(),
+            value: shown,
+            problem: problem.into(),
+        };
+        self.complaints.push(e);
+    }
+
+    /// Notes a complaint when a figure lies outside its bounds; `advice` says what to do. Returns the figure either way.
+    pub fn figure(
+        &mut self,
+        key: &str,
+        value: &Spanned<f64>,
+        bounds: Bounds,
+        unit: &str,
+        advice: &str,
+    ) -> f64 {
+        let v = *value.get_ref();
+        let low = v < bounds.min || (bounds.above_min && v == bounds.min);
+        if !v.is_finite() || low || v > bounds.max {
+            let relation = if bounds.above_min {
+                "above"
+            } else {
+                "at least"
+            };
+            let unit = if unit.is_empty() {
+                String::new()
+            } else {
+                format!(" {unit}")
+            };
+            let problem = format!(
+                "must be {relation} {} and at most {}{unit}: {advice}",
+                bounds.min, bounds.max
+            );
+            self.complain(key, value, format!("{v}"), problem);
+        }
+        v
+    }
+
+    /// Notes a complaint when a word is not one of `known`. Returns the word either way.
+    pub fn word(&mut self, key: &str, value: &Spanned<String>, known: &[&str]) -> String {
+        let v = value.get_ref();
+        if !known.contains(&v.as_str()) {
+            let near = did_you_mean(&nearest(v, known.iter().copied()));
+            let problem = format!("must be one of {}{near}", known.join(", "));
+            self.complain(key, value, format!("\"{v}\""), problem);
+        }
+        v.clone()
+    }
+
+    /// The value, unless there were complaints.
+    pub fn finish<T>(mut self, value: T) -> Result<T, DataError> {
+        match self.complaints.len() {
+            0 => Ok(value),
+            1 => Err(self.complaints.remove(0)),
+            _ => Err(DataError::Several(self.complaints)),
+        }
+    }
+}
+
+/// serde's names for kinds of values in a machinist's words.
+fn plain(message: &str) -> String {
+    message
+        .replace("expected f64", "expected a number")
+        .replace("floating point", "number")
+        .replace("an array of length", "a list of length")
+        .replace("a sequence", "a list")
+}
+
+/// The text and name behind `name_or_path`: one of `built_in` (name, text), or a file when it contains a `/` or ends in `.toml`.
+/// Returns the short name, the name for complaints, and the text.
+pub fn find(
+    kind: &str,
+    folder: &str,
+    built_in: &[(&str, &str)],
+    name_or_path: &str,
+) -> Result<(String, String, String), DataError> {
+    let is_path = name_or_path.contains(['/', '\\']) || name_or_path.ends_with(".toml");
+    if !is_path {
+        if let Some((name, text)) = built_in.iter().find(|(n, _)| *n == name_or_path) {
+            return Ok((
+                name.to_string(),
+                format!("{folder}/{name}.toml"),
+                text.to_string(),
+            ));
+        }
+        return Err(DataError::UnknownName {
+            kind: kind.to_string(),
+            name: name_or_path.to_string(),
+            nearest: nearest(name_or_path, built_in.iter().map(|(n, _)| *n)),
+            known: built_in.iter().map(|(n, _)| n.to_string()).collect(),
+        });
+    }
+    let refuse = |problem: String| DataError::Unreadable {
+        kind: kind.to_string(),
+        path: name_or_path.to_string(),
+        problem,
+    };
+    let path = std::path::Path::new(name_or_path);
+    let meta = std::fs::metadata(path).map_err(|e| refuse(e.to_string()))?;
+    if !meta.is_file() {
+        return Err(refuse("it is not a file: name a .toml file".to_string()));
+    }
+    if meta.len() > MOST_BYTES {
+        return Err(refuse(format!(
+            "it has {} bytes, and such a file is a page of text: is this the right file?",
+            meta.len()
+        )));
+    }
+    let bytes = std::fs::read(path).map_err(|e| refuse(e.to_string()))?;
+    let text = String::from_utf8(bytes)
+        .map_err(|_| refuse("it is not text (UTF-8): is this the right file?".to_string()))?;
+    let stem = path.file_stem().map_or_else(
+        || name_or_path.to_string(),
+        |s| s.to_string_lossy().into_owned(),
+    );
+    Ok((stem, name_or_path.to_string(), text))
+}
+
+/// No machine and no dialect needs more; a wrong file (a part, a program) often has.
+const MOST_BYTES: u64 = 1 << 20;
+
+/// The word of `known` closest to `word`, when it is close enough to be a slip of the pen; the first of equals.
+pub fn nearest<'k>(word: &str, known: impl IntoIterator<Item = &'k str>) -> Option<String> {
+    let word = word.to_lowercase();
+    let mut best: Option<(usize, &str)> = None;
+    for k in known {
+        let d = edits(&word, &k.to_lowercase());
+        if best.is_none_or(|(b, _)| d < b) {
+            best = Some((d, k));
+        }
+    }
+    // A forgotten suffix ("travel" for "travel_mm") counts as a slip too.
+    best.filter(|(d, k)| {
+        *d <= 1 + word.chars().count().max(k.chars().count()) / 3 || k.starts_with(&word)
+    })
+    .map(|(_, k)| k.to_string())
+}
+
+/// Levenshtein distance: insertions, deletions and replacements of one character from `a` to `b`.
+fn edits(a: &str, b: &str) -> usize {
+    let b: Vec<char> = b.chars().collect();
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, ca) in a.chars().enumerate() {
+        let mut diagonal = row[0];
+        row[0] = i + 1;
+        for (j, cb) in b.iter().enumerate() {
+            let replace = diagonal + usize::from(ca != *cb);
+            diagonal = row[j + 1];
+            row[j + 1] = replace.min(row[j] + 1).min(diagonal + 1);
+        }
+    }
+    row[b.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn counts_edits() {
+        for (a, b, d) in [
+            ("", "", 0),
+            ("abc", "abc", 0),
+            ("", "abc", 3),
+            ("kitten", "sitting", 3),
+            ("a", "b", 1),
+        ] {
+            assert_eq!(edits(a, b), d);
+            assert_eq!(edits(b, a), d);
+        }
+    }
+
+    #[test]
+    fn nearest_is_close_or_nothing() {
+        assert_eq!(nearest("bawd", ["baud", "post"]), Some("baud".to_string()));
+        assert_eq!(
+            nearest("travel", ["title", "travel_mm"]),
+            Some("travel_mm".to_string())
+        );
+        assert_eq!(nearest("zzzzzzzz", ["baud", "post"]), None);
+        assert_eq!(nearest("x", []), None);
+    }
+
+    #[test]
+    fn places_count_from_one_in_characters() {
+        let r = Reader::new("f", "a\n\u{b5}b = 1\n", "machines");
+        assert_eq!(
+            r.place(0),
+            Place {
+                file: "f".into(),
+                line: 1,
+                column: 1
+            }
+        );
+        assert_eq!(
+            r.place(2),
+            Place {
+                file: "f".into(),
+                line: 2,
+                column: 1
+            }
+        );
+        assert_eq!(r.place(3).column, 1, "inside a character is at its start");
+        assert_eq!(
+            r.place(4),
+            Place {
+                file: "f".into(),
+                line: 2,
+                column: 2
+            }
+        );
+        assert_eq!(r.place(999).line, 3);
+    }
+
+    #[test]
+    fn a_path_that_is_no_good_says_why() {
+        let e = find("machine", "machines", &[], "no/such/file.toml")
+            .unwrap_err()
+            .to_string();
+        assert!(
+            e.starts_with("no/such/file.toml: cannot be read as a machine: "),
+            "{e}"
+        );
+        let dir = tempfile::tempdir().unwrap();
+        let e = find("machine", "machines", &[], dir.path().to_str().unwrap()).unwrap_err();
+        assert!(e.to_string().contains("it is not a file"), "{e}");
+        let png = dir.path().join("x.toml");
+        std::fs::write(&png, [0x89, 0x50, 0xff, 0xfe]).unwrap();
+        let e = find("machine", "machines", &[], png.to_str().unwrap()).unwrap_err();
+        assert!(e.to_string().contains("it is not text"), "{e}");
+    }
+}

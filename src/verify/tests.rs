@@ -1,0 +1,316 @@
+//! The witness believes good programs and catches each kind of lie.
+#![allow(clippy::unwrap_used)]
+
+use super::{Deviation, VerifyError, verify};
+use crate::geom::Point;
+use crate::post::{BUILT_IN, Coolant, Job, Post, Posted, Units, write};
+use crate::toolpath::{Move, MoveKind, Section, Toolpath};
+use crate::units::{MmPerMin, Rpm, Seconds};
+use proptest::prelude::*;
+
+fn go(kind: MoveKind, x: f64, y: f64, z: f64) -> Move {
+    Move {
+        kind,
+        to: Point::new(x, y, z),
+    }
+}
+
+fn job() -> Job {
+    Job {
+        header: vec!["part (x)? 100 % \u{e4}".into(), "MSG, not a message".into()],
+        feed: MmPerMin(1500.0),
+        plunge: MmPerMin(500.0),
+        speed: Rpm(18_000.0),
+        tool_number: 3,
+        spin_up: Seconds(2.5),
+        coolant: Coolant::Flood,
+        path_tolerance: None,
+    }
+}
+
+fn path() -> Toolpath {
+    use MoveKind::*;
+    Toolpath {
+        moves: vec![
+            go(Rapid, 1.0, 2.0, 5.0),
+            go(Plunge, 1.0, 2.0, -1.0),
+            go(Cut, 10.0, 2.0, -1.2504),
+            go(Cut, 10.0001, 2.0, -1.2504),
+            go(Link, 10.0, 3.5, -1.3),
+            go(Retract, 10.0, 3.5, 2.0),
+        ],
+        sections: vec![Section {
+            name: "peak 1".into(),
+            first_move: 0,
+        }],
+        safe_z: 5.0,
+    }
+}
+
+fn posts() -> Vec<Post> {
+    let mut all = Vec::new();
+    for (name, _) in BUILT_IN {
+        for units in [Units::Mm, Units::Inch] {
+            let mut p = Post::load(name).unwrap();
+            p.units = units;
+            all.push(p);
+        }
+    }
+    all
+}
+
+#[test]
+fn believes_a_good_program_and_measures_it() {
+    let post = Post::load("grbl").unwrap();
+    let posted = write(&path(), &job(), &post).unwrap();
+    let d = verify(&posted, &path(), &job(), &post).unwrap();
+    assert_eq!(
+        (d.moves, d.without_line, d.position_line),
+        (6, 1, posted.line_of_move[2])
+    );
+    // 0.4 um in Z by hand; the move without a line adds 0.1 um in X to it, one line and one position later.
+    assert!((d.position.0 - 0.000_412_3).abs() < 1e-6, "{d:?}");
+    assert_eq!(d.feed, MmPerMin(0.0));
+}
+
+/// The program with one piece of text replaced.
+fn forged(from: &str, to: &str, name: &str) -> Result<Deviation, VerifyError> {
+    let post = Post::load(name).unwrap();
+    let mut posted = write(&path(), &job(), &post).unwrap();
+    assert!(posted.text.contains(from), "{from}: {}", posted.text);
+    posted.text = posted.text.replacen(from, to, 1);
+    verify(&posted, &path(), &job(), &post)
+}
+
+#[test]
+fn catches_every_lie() {
+    let mut wrong = vec![];
+    for (from, to, what) in [
+        (
+            "X10 Z-1.25 ",
+            "X10.001 Z-1.25 ",
+            "line 11 (\"X10.001 Z-1.25 F1500\"): a Feed to X10.001 Y2 Z-1.25 at 1500 mm/min where move 2, a Feed to X10 Y2 Z-1.2504 at 1500 mm/min, was meant",
+        ),
+        ("F1500", "F1501", "at 1501 mm/min where move 2"),
+        ("F500", "F1500", "where move 1"),
+        ("G1 Z-1", "G0 Z-1", "a Rapid to X1 Y2 Z-1"),
+        (
+            "X10 Z-1.25 F1500\n",
+            "G2 X10 Z-1.25 I4.5 J0 F1500\nG1\n",
+            "by an arc",
+        ),
+        ("Y3.5 Z-1.3\n", "\n", "where move 4, a Feed"),
+        ("Y3.5 Z-1.3\n", "Y3.5 Z-1.3\nX99\n", "a Feed to X99"),
+        (
+            "S18000",
+            "S1800",
+            "the spindle's speed is Some(Rpm(1800.0))",
+        ),
+        ("M3 S18000", "S18000", "something else than spindle"),
+        ("M3", "M4", "something else than spindle"),
+        (
+            "G4 P2.5\n",
+            "\n",
+            "is given None to reach its speed, and 2.5 s were meant",
+        ),
+        ("M8\n", "\n", "flood and mist are (false, false)"),
+        (
+            "G0 Z5\n",
+            "\n",
+            "no motion, where a rapid straight to the safe height was meant",
+        ),
+        (
+            "G0 Z5\n",
+            "G0 Z4\n",
+            "where a rapid straight to Z5 was meant",
+        ),
+        (
+            "G0 Z5\n",
+            "G0 X0 Y0 Z5\n",
+            "where a rapid straight to Z5 was meant",
+        ),
+        (
+            "Z5\nM5",
+            "M5",
+            "no motion, where a rapid straight to the safe height",
+        ),
+        ("M30\n", "\n", "the program does not end"),
+        (
+            "M30\n",
+            "M30\nX0\n",
+            "something follows the end of the program",
+        ),
+        (
+            "M5\n",
+            "G0 X0\nM5\n",
+            "something is left over behind the last move",
+        ),
+        (" G90", "", "where a rapid straight to Z5 was meant"),
+        ("G21 ", "", "where a rapid straight to Z5 was meant"),
+        (" G94", "", "line 12:1 this move has no feed rate"),
+        (
+            "X1 Y2",
+            "X1 Y2 $",
+            "the program does not read back: line 9:10 found",
+        ),
+    ] {
+        let e = forged(from, to, "grbl").expect_err(from).to_string();
+        if !e.contains(what) {
+            wrong.push(format!("{from} -> {to}: {e}"));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    let e = forged("G64 P0.002", "G64 P0.02", "linuxcnc")
+        .unwrap_err()
+        .to_string();
+    assert!(e.contains("G64 P0.002 was meant"), "{e}");
+}
+
+#[test]
+fn the_record_of_lines_is_checked_too() {
+    let post = Post::load("grbl").unwrap();
+    let good = write(&path(), &job(), &post).unwrap();
+    for i in 0..good.line_of_move.len() {
+        let mut posted = good.clone();
+        posted.line_of_move[i] += 1;
+        assert!(verify(&posted, &path(), &job(), &post).is_err(), "{i}");
+    }
+    let short = Posted {
+        line_of_move: vec![],
+        ..good
+    };
+    assert!(verify(&short, &path(), &job(), &post).is_err());
+}
+
+#[test]
+fn a_long_program_is_believed_in_a_few_seconds() {
+    let mut p = path();
+    for i in 0..300_000 {
+        let t = f64::from(i) * 1e-3;
+        p.moves.push(go(
+            MoveKind::Cut,
+            30.0 * t.cos(),
+            30.0 * t.sin(),
+            -t.fract(),
+        ));
+    }
+    let post = Post::load("grbl").unwrap();
+    let posted = write(&p, &job(), &post).unwrap();
+    let start = std::time::Instant::now();
+    let d = verify(&posted, &p, &job(), &post).unwrap();
+    let took = start.elapsed();
+    eprintln!("{d:?} in {took:?}");
+    assert!(took.as_secs_f64() < 10.0);
+}
+
+#[test]
+fn every_line_reads_back_by_itself() {
+    use crate::gcode::{State, interpret_line};
+    for post in posts() {
+        let text = write(&path(), &job(), &post).unwrap().text;
+        let mut state = State::new(super::dialect_of(&post).unwrap());
+        for (i, line) in text.lines().enumerate() {
+            interpret_line(&mut state, line, i + 1, &mut Vec::new()).unwrap();
+        }
+    }
+}
+
+/// Any path a planner might make, and some it should not: tiny steps, repeats, ties, far places.
+fn any_path() -> impl Strategy<Value = Toolpath> {
+    let coordinate = prop_oneof![
+        4 => -200.0..200.0_f64,
+        2 => (-40_i32..40).prop_map(|i| f64::from(i) / 16.0),
+        2 => (-5_i32..5).prop_map(|i| f64::from(i) * 0.0005),
+        1 => Just(0.0),
+        1 => -9_000.0..9_000.0_f64,
+    ];
+    let kind = prop_oneof![
+        Just(MoveKind::Rapid),
+        Just(MoveKind::Plunge),
+        Just(MoveKind::Cut),
+        Just(MoveKind::Link),
+        Just(MoveKind::Retract),
+    ];
+    let point = (coordinate.clone(), coordinate.clone(), coordinate.clone());
+    // A small step from the last place as often as a new place.
+    let step = (kind, point, any::<bool>(), -2e-3..2e-3_f64, 0..3_usize);
+    (
+        proptest::collection::vec(step, 0..60),
+        coordinate,
+        proptest::collection::vec((0..60_usize, any::<String>()), 0..4),
+    )
+        .prop_map(|(steps, safe_z, mut names)| {
+            let mut moves: Vec<Move> = Vec::new();
+            for (kind, (x, y, z), small, by, axis) in steps {
+                let kind = if moves.is_empty() {
+                    MoveKind::Rapid
+                } else {
+                    kind
+                };
+                let mut to = Point::new(x, y, z);
+                if let (true, Some(last)) = (small, moves.last()) {
+                    to = last.to;
+                    to[axis] += by;
+                }
+                moves.push(Move { kind, to });
+            }
+            if moves.is_empty() {
+                moves.push(go(MoveKind::Rapid, 0.0, 0.0, safe_z));
+            }
+            names.sort();
+            let sections = names
+                .into_iter()
+                .map(|(first_move, name)| Section { name, first_move })
+                .collect();
+            Toolpath {
+                moves,
+                sections,
+                safe_z,
+            }
+        })
+}
+
+fn any_job() -> impl Strategy<Value = Job> {
+    let speed = prop_oneof![Just(0.0), 1.0..30_000.0_f64];
+    let coolant = prop_oneof![Just(Coolant::Off), Just(Coolant::Flood)];
+    let header = proptest::collection::vec(any::<String>(), 0..4);
+    (
+        header,
+        3.0..9_000.0_f64,
+        3.0..2_000.0_f64,
+        speed,
+        0..255_u32,
+        0.0..9.0_f64,
+        coolant,
+    )
+        .prop_map(
+            |(header, feed, plunge, speed, tool_number, spin_up, coolant)| Job {
+                header,
+                feed: MmPerMin(feed),
+                plunge: MmPerMin(plunge),
+                speed: Rpm(speed),
+                tool_number,
+                // Nothing, or enough to be written.
+                spin_up: Seconds(if spin_up < 1.0 { 0.0 } else { spin_up }),
+                coolant,
+                path_tolerance: None,
+            },
+        )
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(200))]
+
+    #[test]
+    fn what_is_written_reads_back_as_meant(path in any_path(), job in any_job(), numbers in 0..2_u32, modal in any::<[bool; 3]>()) {
+        for mut post in posts() {
+            post.number_step = numbers * 10;
+            (post.modal.motion, post.modal.axes, post.modal.feed) = (modal[0], modal[1], modal[2]);
+            let posted = write(&path, &job, &post).unwrap();
+            let d = verify(&posted, &path, &job, &post).map_err(|e| TestCaseError::fail(format!("{e}\n{}", posted.text)))?;
+            prop_assert!(d.position.0 <= post.rounding().0 * 3.0_f64.sqrt() * (1.0 + 1e-6));
+            prop_assert!(posted.text.lines().all(|l| l.len() <= post.longest));
+            prop_assert_eq!(posted.clone(), write(&path, &job, &post).unwrap());
+        }
+    }
+}
