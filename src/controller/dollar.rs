@@ -108,7 +108,10 @@ impl Controller {
         }
         self.parser = ahead;
         self.mode = Mode::Jog;
-        self.steps.push_back(Step::Block { to, speed: Speed::Fixed(motion.feed) });
+        self.steps.push_back(Step::Block {
+            to,
+            speed: Speed::Fixed(motion.feed),
+        });
         Ok(())
     }
 
@@ -131,8 +134,18 @@ impl Controller {
 
     /// Where the axes stand after homing.
     pub(super) fn homed_position(&self) -> Point {
-        let (mask, off, travel) = (self.memory.get(23) as u32, self.memory.get(27), self.memory.axes(130));
-        Point::from([0, 1, 2].map(|i| if mask >> i & 1 == 1 { off - travel[i] } else { -off }))
+        let (mask, off, travel) = (
+            self.memory.get(23) as u32,
+            self.memory.get(27),
+            self.memory.axes(130),
+        );
+        Point::from([0, 1, 2].map(|i| {
+            if mask >> i & 1 == 1 {
+                off - travel[i]
+            } else {
+                -off
+            }
+        }))
     }
 
     fn startup_line(&mut self, rest: &str, idle: bool) -> Result<(), u16> {
@@ -150,7 +163,8 @@ impl Controller {
         let slot: usize = number.parse().map_err(|_| 2u16)?;
         // It is carried out first, and kept only if it went well.
         let mut events = Vec::new();
-        interpret_line(&mut self.parser, text, 0, &mut events).map_err(|e| error_number(&e.complaint))?;
+        interpret_line(&mut self.parser, text, 0, &mut events)
+            .map_err(|e| error_number(&e.complaint))?;
         self.queue_events(&events);
         if let Some(place) = self.memory.startup.get_mut(slot) {
             *place = text.to_string();
@@ -182,7 +196,8 @@ impl Controller {
         }
         if what != "#" {
             self.memory.restore();
-            self.motion.set_settings(&self.memory.planner_settings(super::BLOCKS));
+            self.motion
+                .set_settings(&self.memory.planner_settings(self.build.blocks));
         }
         if what != "$" {
             self.parser.g5x = Default::default();
@@ -206,7 +221,8 @@ impl Controller {
             return Err(3);
         }
         self.memory.store(number, value)?;
-        self.motion.set_settings(&self.memory.planner_settings(super::BLOCKS));
+        self.motion
+            .set_settings(&self.memory.planner_settings(self.build.blocks));
         self.refresh_offset();
         self.wco_in = 0;
         Ok(())

@@ -98,7 +98,10 @@ impl Controller {
 
     /// A jog that has come to its end, or to rest after being cancelled, leaves Idle behind.
     fn end_of_jog(&mut self) {
-        if self.mode == Mode::Jog && !self.motion.going() && !self.steps.iter().any(|s| matches!(s, Step::Block { .. })) {
+        if self.mode == Mode::Jog
+            && !self.motion.going()
+            && !self.steps.iter().any(|s| matches!(s, Step::Block { .. }))
+        {
             if !self.motion.is_empty() && !self.motion.is_holding() {
                 return;
             }
@@ -155,17 +158,26 @@ impl Controller {
                 Event::Probe { motion, strict, .. } => {
                     let to = motion.to + shift;
                     self.steps.push_back(Step::Sync);
-                    self.steps.push_back(Step::Block { to, speed: Speed::Fixed(motion.feed) });
+                    self.steps.push_back(Step::Block {
+                        to,
+                        speed: Speed::Fixed(motion.feed),
+                    });
                     self.steps.push_back(Step::Sync);
                     self.steps.push_back(Step::ProbeMissed { strict: *strict });
                 }
                 Event::Dwell { time, .. } => {
                     self.steps.push_back(Step::Sync);
-                    self.steps.push_back(Step::Wait((time.0 / DWELL_STEP).ceil() * DWELL_STEP));
+                    self.steps
+                        .push_back(Step::Wait((time.0 / DWELL_STEP).ceil() * DWELL_STEP));
                 }
-                Event::Spindle { direction, speed, .. } => {
+                Event::Spindle {
+                    direction, speed, ..
+                } => {
                     self.steps.push_back(Step::Sync);
-                    self.steps.push_back(Step::Spindle { direction: *direction, rpm: speed.0 });
+                    self.steps.push_back(Step::Spindle {
+                        direction: *direction,
+                        rpm: speed.0,
+                    });
                 }
                 Event::Pause { optional: true, .. } => {}
                 Event::Pause { .. } => {
@@ -176,7 +188,9 @@ impl Controller {
                     self.steps.push_back(Step::Sync);
                     self.steps.push_back(Step::End);
                 }
-                Event::Coolant { .. } | Event::Sync { .. } | Event::ToolChange { .. } => self.steps.push_back(Step::Sync),
+                Event::Coolant { .. } | Event::Sync { .. } | Event::ToolChange { .. } => {
+                    self.steps.push_back(Step::Sync)
+                }
             }
         }
         self.steps.push_back(Step::Offset);
@@ -185,18 +199,31 @@ impl Controller {
     fn queue_motion(&mut self, motion: &Motion, shift: &Vector) {
         let pieces = match &motion.arc {
             None => None,
-            Some(arc) => Some(chords(&motion.from, &motion.to, arc, Mm(self.memory.get(12)))),
+            Some(arc) => Some(chords(
+                &motion.from,
+                &motion.to,
+                arc,
+                Mm(self.memory.get(12)),
+            )),
         };
         let speed = match (motion.kind, motion.inverse_time) {
             (MotionKind::Rapid, _) => Speed::Rapid,
             // The block's time is shared by its pieces.
-            (_, true) => Speed::InverseTime(motion.feed.0 * pieces.as_ref().map_or(1.0, |p| f64::from(p.chord_count()))),
+            (_, true) => Speed::InverseTime(
+                motion.feed.0 * pieces.as_ref().map_or(1.0, |p| f64::from(p.chord_count())),
+            ),
             (_, false) => Speed::Feed(motion.feed),
         };
         match pieces {
-            None => self.steps.push_back(Step::Block { to: motion.to + shift, speed }),
+            None => self.steps.push_back(Step::Block {
+                to: motion.to + shift,
+                speed,
+            }),
             Some(pieces) => {
-                self.steps.extend(pieces.map(|p| Step::Block { to: p + shift, speed }));
+                self.steps.extend(pieces.map(|p| Step::Block {
+                    to: p + shift,
+                    speed,
+                }));
             }
         }
     }
@@ -209,7 +236,9 @@ impl Controller {
 
     /// Carries out the first step. False when it has to wait.
     fn step(&mut self) -> bool {
-        let Some(step) = self.steps.front().cloned() else { return false };
+        let Some(step) = self.steps.front().cloned() else {
+            return false;
+        };
         match step {
             Step::Block { to, speed } => {
                 if self.memory.is_on(20) && self.outside(&to) {
@@ -242,7 +271,11 @@ impl Controller {
             Step::Spindle { direction, rpm } => {
                 self.spindle = direction;
                 let (least, most) = (self.memory.get(31), self.memory.get(30));
-                self.rpm = if rpm > 0.0 { rpm.max(least).min(most.max(least)) } else { 0.0 };
+                self.rpm = if rpm > 0.0 {
+                    rpm.max(least).min(most.max(least))
+                } else {
+                    0.0
+                };
                 self.overrides_in = 0;
             }
             Step::Offset => self.refresh_offset(),

@@ -66,7 +66,11 @@ impl Intake {
             if byte == b'\n' || byte == b'\r' {
                 let text = std::mem::take(&mut self.line);
                 self.comment = Comment::None;
-                return Some(if std::mem::take(&mut self.too_long) { Line::TooLong } else { Line::Text(text) });
+                return Some(if std::mem::take(&mut self.too_long) {
+                    Line::TooLong
+                } else {
+                    Line::Text(text)
+                });
             }
             match (self.comment, byte) {
                 (Comment::Parenthesis, b')') => self.comment = Comment::None,

@@ -40,13 +40,31 @@ pub use settings::Memory;
 use crate::gcode::{Dialect, State as Parser};
 use crate::geom::Point;
 use crate::kinematics::Overrides;
+use crate::machine::Machine;
 use execute::Step;
 use intake::Intake;
 use motion::Motion;
 use std::collections::VecDeque;
 
-/// Usable blocks of look-ahead in the firmware as shipped.
-const BLOCKS: usize = 15;
+/// What a build of the firmware has room for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Build {
+    /// Usable blocks of look-ahead.
+    pub blocks: usize,
+    /// Bytes of receive buffer.
+    pub rx_bytes: usize,
+}
+
+impl Default for Build {
+    /// GRBL 1.1h on an Uno as shipped.
+    fn default() -> Self {
+        Build {
+            blocks: 15,
+            rx_bytes: crate::wire::RX_BYTES,
+        }
+    }
+}
+
 /// Seconds the firmware is deaf after an alarm.
 const DEAF: f64 = 0.5;
 
@@ -90,11 +108,16 @@ struct Percent {
     spindle: u16,
 }
 
-const NO_OVERRIDES: Percent = Percent { feed: 100, rapid: 100, spindle: 100 };
+const NO_OVERRIDES: Percent = Percent {
+    feed: 100,
+    rapid: 100,
+    spindle: 100,
+};
 
 /// The simulated controller. See the module for what it does and leaves out.
 #[derive(Clone, Debug)]
 pub struct Controller {
+    build: Build,
     memory: Memory,
     parser: Parser,
     intake: Intake,
@@ -126,13 +149,28 @@ pub struct Controller {
 }
 
 impl Controller {
-    /// A controller just switched on, at machine zero, with these settings.
+    /// A controller just switched on, at machine zero, with these settings, built as shipped.
     pub fn new(memory: Memory) -> Controller {
+        Controller::with_build(memory, Build::default())
+    }
+
+    /// The controller of a machine, with its figures as settings.
+    pub fn of_machine(machine: &Machine) -> Controller {
+        let build = Build {
+            blocks: machine.planner_blocks,
+            rx_bytes: machine.rx_buffer,
+        };
+        Controller::with_build(Memory::of_machine(machine), build)
+    }
+
+    /// A controller just switched on, at machine zero.
+    pub fn with_build(memory: Memory, build: Build) -> Controller {
         let mut controller = Controller {
-            motion: Motion::new(&memory.planner_settings(BLOCKS), Point::origin()),
+            motion: Motion::new(&memory.planner_settings(build.blocks), Point::origin()),
+            build,
             memory,
             parser: Parser::new(Dialect::Grbl),
-            intake: Intake::new(crate::wire::RX_BYTES),
+            intake: Intake::new(build.rx_bytes),
             flags: realtime::Flags::default(),
             steps: VecDeque::new(),
             mode: Mode::Normal,
@@ -165,8 +203,9 @@ impl Controller {
 
     /// Off and on again: settings, stored offsets and places stay, all else is as new, at machine zero.
     pub fn power_cycle(&mut self) {
-        let mut fresh = Controller::new(self.memory.clone());
-        (fresh.parser.g5x, fresh.parser.g28, fresh.parser.g30) = (self.parser.g5x, self.parser.g28, self.parser.g30);
+        let mut fresh = Controller::with_build(self.memory.clone(), self.build);
+        (fresh.parser.g5x, fresh.parser.g28, fresh.parser.g30) =
+            (self.parser.g5x, self.parser.g28, self.parser.g30);
         // Startup lines may name stored offsets, so they run once more with them.
         fresh.out.clear();
         fresh.steps.clear();
@@ -260,8 +299,16 @@ impl Controller {
             Suspend::DoorResuming(t) => Some(t),
             _ => None,
         };
-        let wait = if self.suspend == Suspend::None { self.wait } else { None };
-        [axes, deaf, door, wait].into_iter().flatten().map(|t| t.max(self.now)).reduce(f64::min)
+        let wait = if self.suspend == Suspend::None {
+            self.wait
+        } else {
+            None
+        };
+        [axes, deaf, door, wait]
+            .into_iter()
+            .flatten()
+            .map(|t| t.max(self.now))
+            .reduce(f64::min)
     }
 
     /// True while a line is being carried out and waits for the axes, a dwell or a reply pause: the host can do nothing about it but
@@ -269,7 +316,9 @@ impl Controller {
     pub fn is_busy(&self) -> bool {
         let stopping = self.suspend != Suspend::None && self.motion.going();
         let working = self.suspend == Suspend::None && !self.steps.is_empty();
-        !self.dead && (stopping || working) || self.deaf != Deaf::No || matches!(self.suspend, Suspend::DoorResuming(_))
+        !self.dead && (stopping || working)
+            || self.deaf != Deaf::No
+            || matches!(self.suspend, Suspend::DoorResuming(_))
     }
 
     /// True while axes move or a queue waits to.
@@ -350,7 +399,9 @@ impl Controller {
     fn finish_reset(&mut self) {
         self.deaf = Deaf::No;
         // The line that was being carried out lets go of its answer.
-        if self.steps.iter().any(|s| matches!(s, Step::Ok)) && (self.mode == Mode::Alarm || self.dead) {
+        if self.steps.iter().any(|s| matches!(s, Step::Ok))
+            && (self.mode == Mode::Alarm || self.dead)
+        {
             self.ok();
         }
         if self.dead || self.mode == Mode::Sleep {
@@ -361,7 +412,10 @@ impl Controller {
         }
         let here = self.motion.position();
         self.motion.abort();
-        self.motion.set_overrides(Overrides { feed: 1.0, rapid: 1.0 });
+        self.motion.set_overrides(Overrides {
+            feed: 1.0,
+            rapid: 1.0,
+        });
         self.parser.reset();
         self.parser.set_machine_position(&here);
         self.intake.clear();

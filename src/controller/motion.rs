@@ -71,7 +71,8 @@ impl Motion {
 
     /// The same in whole steps, as the firmware counts and reports it, mm.
     pub fn position_in_steps(&self) -> Point {
-        self.planner.point_of_steps(&self.planner.steps_of_point(&self.position))
+        self.planner
+            .point_of_steps(&self.planner.steps_of_point(&self.position))
     }
 
     /// Path speed at the end of what is prepared, mm/s: what the firmware reports as speed.
@@ -81,7 +82,11 @@ impl Motion {
 
     /// Blocks that can still be pushed.
     pub fn free(&self) -> usize {
-        self.planner.settings().blocks.max(1).saturating_sub(self.planner.len())
+        self.planner
+            .settings()
+            .blocks
+            .max(1)
+            .saturating_sub(self.planner.len())
     }
 
     /// Nothing is queued and nothing moves.
@@ -176,12 +181,16 @@ impl Motion {
         if !self.going {
             return None;
         }
-        self.slices.front().map(|s| (s.duration - self.run).max(0.0))
+        self.slices
+            .front()
+            .map(|s| (s.duration - self.run).max(0.0))
     }
 
     /// Lets the axes run for `dt`, which must not exceed [`Motion::next_change`].
     pub fn advance(&mut self, dt: f64) {
-        let Some(slice) = self.slices.front().copied().filter(|_| self.going) else { return };
+        let Some(slice) = self.slices.front().copied().filter(|_| self.going) else {
+            return;
+        };
         self.run += dt;
         if self.run >= slice.duration - 1e-12 {
             self.position = slice.to;
@@ -205,7 +214,11 @@ impl Motion {
             let delay = self.planner.settings().idle_delay.0;
             if !self.resting && delay > 0.0 {
                 self.resting = true;
-                self.slices.push_back(Slice { duration: delay, from: self.position, to: self.position });
+                self.slices.push_back(Slice {
+                    duration: delay,
+                    from: self.position,
+                    to: self.position,
+                });
             } else {
                 self.resting = false;
                 self.going = false;
@@ -218,14 +231,28 @@ impl Motion {
         if self.holding && self.speed <= 0.0 {
             return false;
         }
-        let Some((block, planned)) = self.planner.front() else { return false };
-        let profile =
-            if self.holding { Profile::brake(block.remaining, self.speed, block.acceleration) } else { planned };
+        let Some((block, planned)) = self.planner.front() else {
+            return false;
+        };
+        let profile = if self.holding {
+            Profile::brake(block.remaining, self.speed, block.acceleration)
+        } else {
+            planned
+        };
         let from = self.head;
         let time = profile.duration().min(SLICE);
         let at_end = time >= profile.duration();
-        let remaining = block.remaining - if at_end { profile.length } else { profile.distance_at(time) };
-        self.speed = if at_end { profile.exit } else { profile.speed_at(time) };
+        let remaining = block.remaining
+            - if at_end {
+                profile.length
+            } else {
+                profile.distance_at(time)
+            };
+        self.speed = if at_end {
+            profile.exit
+        } else {
+            profile.speed_at(time)
+        };
         let end = self.planner.point_of_steps(&block.to_steps);
         if remaining <= NOTHING {
             self.head = end;
@@ -241,7 +268,11 @@ impl Motion {
             self.head = end - block.direction * remaining;
             self.planner.advance(remaining, self.speed);
         }
-        self.slices.push_back(Slice { duration: time, from, to: self.head });
+        self.slices.push_back(Slice {
+            duration: time,
+            from,
+            to: self.head,
+        });
         true
     }
 }
@@ -331,7 +362,10 @@ mod tests {
         m.push(Point::new(20.0, 0.0, 0.0), feed(10.0));
         m.start();
         run(&mut m, 0.5);
-        m.set_overrides(Overrides { feed: 0.5, rapid: 1.0 });
+        m.set_overrides(Overrides {
+            feed: 0.5,
+            rapid: 1.0,
+        });
         run(&mut m, 0.2);
         assert!((m.speed() - 5.0).abs() < 1e-9);
         finish(&mut m);

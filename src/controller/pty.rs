@@ -28,7 +28,9 @@ pub enum Pace {
 #[derive(Debug, thiserror::Error)]
 pub enum PtyError {
     /// The system gave none.
-    #[error("no pseudo-terminal for the simulated controller: {0}. Use a system that has them (Linux, macOS)")]
+    #[error(
+        "no pseudo-terminal for the simulated controller: {0}. Use a system that has them (Linux, macOS)"
+    )]
     Unavailable(String),
     /// No thread could be started.
     #[error("the simulated controller's thread did not start: {0}")]
@@ -75,19 +77,34 @@ impl Pty {
     pub fn start(controller: Controller, pace: Pace) -> Result<Pty, PtyError> {
         let unavailable = |e: serialport::Error| PtyError::Unavailable(e.to_string());
         let (mut near, far) = TTYPort::pair().map_err(unavailable)?;
-        let path = far.name().ok_or_else(|| PtyError::Unavailable("it has no name".to_string()))?;
-        near.set_timeout(Duration::from_millis(1)).map_err(unavailable)?;
+        let path = far
+            .name()
+            .ok_or_else(|| PtyError::Unavailable("it has no name".to_string()))?;
+        near.set_timeout(Duration::from_millis(1))
+            .map_err(unavailable)?;
         // The far side must be closed here, or the program that opens it by its path would not be its only user.
         drop(far);
         let stop = Arc::new(AtomicBool::new(false));
         let readout = Arc::new(Mutex::new(Readout::default()));
-        let mut front =
-            Front { near, controller, pace, stop: stop.clone(), readout: readout.clone(), out: Vec::new(), open: false };
+        let mut front = Front {
+            near,
+            controller,
+            pace,
+            stop: stop.clone(),
+            readout: readout.clone(),
+            out: Vec::new(),
+            open: false,
+        };
         let thread = std::thread::Builder::new()
             .name("controller".to_string())
             .spawn(move || front.run())
             .map_err(PtyError::Thread)?;
-        Ok(Pty { path, stop, readout, thread: Some(thread) })
+        Ok(Pty {
+            path,
+            stop,
+            readout,
+            thread: Some(thread),
+        })
     }
 
     /// What to open, e.g. `/dev/pts/5`.
@@ -104,7 +121,9 @@ impl Pty {
 impl Drop for Pty {
     fn drop(&mut self) {
         self.stop.store(true, Ordering::Relaxed);
-        let Some(thread) = self.thread.take() else { return };
+        let Some(thread) = self.thread.take() else {
+            return;
+        };
         // A write to a pseudo-terminal nobody reads can hang in the kernel; such a thread is left behind rather than waited for.
         for _ in 0..100 {
             if thread.is_finished() {
@@ -174,7 +193,14 @@ impl Front {
         match self.near.read(buffer) {
             Ok(0) => Heard::Nobody,
             Ok(n) => Heard::Bytes(n),
-            Err(e) if matches!(e.kind(), ErrorKind::TimedOut | ErrorKind::Interrupted | ErrorKind::WouldBlock) => Heard::Nothing,
+            Err(e)
+                if matches!(
+                    e.kind(),
+                    ErrorKind::TimedOut | ErrorKind::Interrupted | ErrorKind::WouldBlock
+                ) =>
+            {
+                Heard::Nothing
+            }
             Err(_) => Heard::Nobody,
         }
     }
@@ -201,7 +227,8 @@ impl Front {
                 self.controller.advance(at - self.controller.now());
             }
             if !self.controller.has_output() && self.controller.is_busy() {
-                self.controller.advance((end - self.controller.now()).max(0.0));
+                self.controller
+                    .advance((end - self.controller.now()).max(0.0));
             }
         } else if self.controller.is_moving() || self.controller.next_change().is_some() {
             if quiet > QUIET {

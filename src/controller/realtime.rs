@@ -21,7 +21,11 @@ impl Flags {
 
     /// How many bytes arrive at 115200 baud while these are served (measured on the real firmware; a report takes its printing).
     pub fn bytes_to_serve(&self) -> f64 {
-        if self.0.contains(&Realtime::Status) { 57.0 } else { 2.8 }
+        if self.0.contains(&Realtime::Status) {
+            57.0
+        } else {
+            2.8
+        }
     }
 }
 
@@ -42,14 +46,20 @@ impl Controller {
                 // Hold and resume in one look: the hold wins.
                 Realtime::Resume if !flags.contains(&Realtime::Hold) => self.resume(),
                 Realtime::JogCancel if self.mode == Mode::Jog => self.cancel_jog(),
-                Realtime::SpindleStop if self.suspend == Suspend::Hold && !self.motion.going() && self.spindle != 0 => {
+                Realtime::SpindleStop
+                    if self.suspend == Suspend::Hold
+                        && !self.motion.going()
+                        && self.spindle != 0 =>
+                {
                     if self.spindle_stopped {
                         self.say("[MSG:Restoring spindle]");
                     }
                     self.spindle_stopped = !self.spindle_stopped;
                     self.overrides_in = 0;
                 }
-                Realtime::Flood if !matches!(self.mode, Mode::Alarm | Mode::Check | Mode::Sleep) => {
+                Realtime::Flood
+                    if !matches!(self.mode, Mode::Alarm | Mode::Check | Mode::Sleep) =>
+                {
                     self.parser.flood = !self.parser.flood;
                     self.overrides_in = 0;
                 }
@@ -117,7 +127,11 @@ impl Controller {
     }
 
     fn door(&mut self) {
-        if matches!(self.mode, Mode::Alarm | Mode::Check | Mode::Sleep | Mode::Home) || self.suspend == Suspend::Door {
+        if matches!(
+            self.mode,
+            Mode::Alarm | Mode::Check | Mode::Sleep | Mode::Home
+        ) || self.suspend == Suspend::Door
+        {
             return;
         }
         self.say("[MSG:Check Door]");

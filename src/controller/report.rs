@@ -31,7 +31,11 @@ impl Controller {
             (Mode::Alarm, _) => State::Alarm,
             (Mode::Check, _) => State::Check,
             (Mode::Home, _) => State::Home,
-            (_, Suspend::Door) => State::Door(if moving { DoorPhase::Stopping } else { DoorPhase::Closed }),
+            (_, Suspend::Door) => State::Door(if moving {
+                DoorPhase::Stopping
+            } else {
+                DoorPhase::Closed
+            }),
             (_, Suspend::DoorResuming(_)) => State::Door(DoorPhase::Resuming),
             (_, Suspend::Hold) => State::Hold { at_rest: !moving },
             (Mode::Jog, _) => State::Jog,
@@ -58,18 +62,33 @@ impl Controller {
         status.position = Some(if mask & 1 == 1 {
             Position::Machine(place.map(|c| self.shown(c)))
         } else {
-            Position::Work(std::array::from_fn(|i| self.shown(place[i] - self.offset[i])))
+            Position::Work(std::array::from_fn(|i| {
+                self.shown(place[i] - self.offset[i])
+            }))
         });
         if mask & 2 == 2 {
-            status.buffer = Some(Buffer { blocks: self.motion.free(), bytes: self.intake.free() });
+            status.buffer = Some(Buffer {
+                blocks: self.motion.free(),
+                bytes: self.intake.free(),
+            });
         }
         status.feed = Some(self.shown(self.motion.speed() * 60.0));
         // In laser mode the beam is off unless the axes move.
         let dark = self.memory.is_on(32) && !self.motion.going();
-        let turning = self.spindle != 0 && !dark && !self.spindle_stopped && !matches!(self.suspend, Suspend::Door);
-        status.speed = Some(if turning { self.rpm * f64::from(self.percent.spindle) / 100.0 } else { 0.0 });
+        let turning = self.spindle != 0
+            && !dark
+            && !self.spindle_stopped
+            && !matches!(self.suspend, Suspend::Door);
+        status.speed = Some(if turning {
+            self.rpm * f64::from(self.percent.spindle) / 100.0
+        } else {
+            0.0
+        });
 
-        let busy = matches!(status.state, State::Run | State::Hold { .. } | State::Jog | State::Home | State::Door(_));
+        let busy = matches!(
+            status.state,
+            State::Run | State::Hold { .. } | State::Jog | State::Home | State::Door(_)
+        );
         if self.wco_in > 0 {
             self.wco_in -= 1;
         } else {
@@ -83,9 +102,15 @@ impl Controller {
         } else {
             self.overrides_in = if busy { 19 } else { 9 };
             let p = self.percent;
-            status.overrides = Some(Overrides { feed: p.feed, rapid: p.rapid, spindle: p.spindle });
+            status.overrides = Some(Overrides {
+                feed: p.feed,
+                rapid: p.rapid,
+                spindle: p.spindle,
+            });
             if turning {
-                status.accessories.push(if self.spindle > 0 { 'S' } else { 'C' });
+                status
+                    .accessories
+                    .push(if self.spindle > 0 { 'S' } else { 'C' });
             }
             if self.parser.flood {
                 status.accessories.push('F');
@@ -116,15 +141,27 @@ impl Controller {
             Plane::Yz => "G19",
         };
         let units = if p.units == Units::Inch { "G20" } else { "G21" };
-        let distance = if p.distance == Distance::Absolute { "G90" } else { "G91" };
-        let feed_mode = if p.feed_mode == FeedMode::PerMinute { "G94" } else { "G93" };
+        let distance = if p.distance == Distance::Absolute {
+            "G90"
+        } else {
+            "G91"
+        };
+        let feed_mode = if p.feed_mode == FeedMode::PerMinute {
+            "G94"
+        } else {
+            "G93"
+        };
         let spindle = match p.spindle {
             0 => "M5",
             1 => "M3",
             _ => "M4",
         };
         let coolant = if p.flood { "M8" } else { "M9" };
-        let feed = if self.inches() { format!("{:.1}", p.feed.0 / 25.4) } else { format!("{:.0}", p.feed.0) };
+        let feed = if self.inches() {
+            format!("{:.1}", p.feed.0 / 25.4)
+        } else {
+            format!("{:.0}", p.feed.0)
+        };
         let line = format!(
             "[GC:{motion} G{} {plane} {units} {distance} {feed_mode} {spindle} {coolant} T{} F{feed} S{:.0}]",
             54 + p.work_offset,
@@ -141,24 +178,37 @@ impl Controller {
             self.say(&line);
         }
         let (a, b, s) = (self.parser.g28, self.parser.g30, self.parser.g92);
-        for (name, v) in [("G28", [a.x, a.y, a.z]), ("G30", [b.x, b.y, b.z]), ("G92", [s.x, s.y, s.z])] {
+        for (name, v) in [
+            ("G28", [a.x, a.y, a.z]),
+            ("G30", [b.x, b.y, b.z]),
+            ("G92", [s.x, s.y, s.z]),
+        ] {
             let line = format!("[{name}:{}]", self.triple(v));
             self.say(&line);
         }
         let tlo = self.shown(self.parser.tlo);
-        let line = if self.inches() { format!("[TLO:{tlo:.4}]") } else { format!("[TLO:{tlo:.3}]") };
+        let line = if self.inches() {
+            format!("[TLO:{tlo:.4}]")
+        } else {
+            format!("[TLO:{tlo:.3}]")
+        };
         self.say(&line);
         self.report_probe();
     }
 
     pub(super) fn report_probe(&mut self) {
-        let line = format!("[PRB:{}:{}]", self.triple([self.probe.x, self.probe.y, self.probe.z]), u8::from(self.probe_hit));
+        let line = format!(
+            "[PRB:{}:{}]",
+            self.triple([self.probe.x, self.probe.y, self.probe.z]),
+            u8::from(self.probe_hit)
+        );
         self.say(&line);
     }
 
     pub(super) fn report_build(&mut self) {
         let line = format!("[VER:1.1h.20190830:{}]", self.memory.build_text);
         self.say(&line);
-        self.say("[OPT:V,15,128]");
+        let line = format!("[OPT:V,{},{}]", self.build.blocks, self.build.rx_bytes);
+        self.say(&line);
     }
 }

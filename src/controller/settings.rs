@@ -66,7 +66,11 @@ pub struct Memory {
 
 impl Default for Memory {
     fn default() -> Self {
-        Memory { values: TABLE.map(|t| t.2), startup: Default::default(), build_text: String::new() }
+        Memory {
+            values: TABLE.map(|t| t.2),
+            startup: Default::default(),
+            build_text: String::new(),
+        }
     }
 }
 
@@ -89,7 +93,11 @@ impl Memory {
 
     /// The value of `$number`; 0 for a number there is not.
     pub fn get(&self, number: u16) -> f64 {
-        TABLE.iter().zip(&self.values).find(|(t, _)| t.0 == number).map_or(0.0, |(_, v)| *v)
+        TABLE
+            .iter()
+            .zip(&self.values)
+            .find(|(t, _)| t.0 == number)
+            .map_or(0.0, |(_, v)| *v)
     }
 
     /// True for a switch or byte that is not zero.
@@ -121,7 +129,11 @@ impl Memory {
 
     /// Sets a value without the checks of `$n=`.
     pub fn set(&mut self, number: u16, value: f64) {
-        if let Some((_, v)) = TABLE.iter().zip(&mut self.values).find(|(t, _)| t.0 == number) {
+        if let Some((_, v)) = TABLE
+            .iter()
+            .zip(&mut self.values)
+            .find(|(t, _)| t.0 == number)
+        {
             *v = value;
         }
     }
@@ -132,11 +144,17 @@ impl Memory {
     /// GRBL's error number.
     pub fn store(&mut self, number: f64, value: f64) -> Result<(), u16> {
         // The firmware cuts the number's fraction off: `$1.5=` sets $1.
-        let number = if (0.0..=255.0).contains(&number) { number as u16 } else { return Err(3) };
+        let number = if (0.0..=255.0).contains(&number) {
+            number as u16
+        } else {
+            return Err(3);
+        };
         if value < 0.0 {
             return Err(4);
         }
-        let Some((entry, _)) = TABLE.iter().zip(&self.values).find(|(t, _)| t.0 == number) else { return Err(3) };
+        let Some((entry, _)) = TABLE.iter().zip(&self.values).find(|(t, _)| t.0 == number) else {
+            return Err(3);
+        };
         let byte = (value as u64 % 256) as f64;
         let stored = match entry.1 {
             Kind::Byte => byte,

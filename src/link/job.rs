@@ -25,7 +25,11 @@ pub struct JobLine {
 impl JobLine {
     /// A line the session adds.
     pub(super) fn own(text: &str) -> JobLine {
-        JobLine { text: text.to_string(), source: 0, dwell: 0.0 }
+        JobLine {
+            text: text.to_string(),
+            source: 0,
+            dwell: 0.0,
+        }
     }
 
     /// Bytes it takes in the controller's receive buffer, line end included.
@@ -56,7 +60,9 @@ pub enum Refusal {
     #[error("this controller changes no tools: cut the program at M6 and send one part per tool")]
     ToolChange,
     /// G10, G28.1, G30.1.
-    #[error("{0} writes the controller's memory, which loses bytes of a running stream: send it by itself before the job")]
+    #[error(
+        "{0} writes the controller's memory, which loses bytes of a running stream: send it by itself before the job"
+    )]
     WritesMemory(&'static str),
     /// A `$` line.
     #[error("a $ command does not belong into a job: send it by itself before the job")]
@@ -90,7 +96,12 @@ impl Job {
     /// Every line that cannot be sent, up to 20, in order.
     pub fn vet(text: &str) -> Result<Job, Vec<JobError>> {
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-        let mut job = Job { lines: Vec::new(), end: [None; 3], source_lines: 0, events: Vec::new() };
+        let mut job = Job {
+            lines: Vec::new(),
+            end: [None; 3],
+            source_lines: 0,
+            events: Vec::new(),
+        };
         let mut state = State::new(Dialect::Grbl);
         let mut errors = Vec::new();
         for content in gcode::lines(text) {
@@ -104,7 +115,11 @@ impl Job {
                 continue;
             }
             if let Some(why) = forbidden(content, &significant) {
-                errors.push(JobError { line, column: 1, why });
+                errors.push(JobError {
+                    line,
+                    column: 1,
+                    why,
+                });
                 continue;
             }
             let first = job.events.len();
@@ -113,19 +128,39 @@ impl Job {
                     let events = job.events.get(first..).unwrap_or_default();
                     let dwell = events.iter().map(dwell).sum();
                     events.iter().for_each(|e| follow(&mut job.end, e, &state));
-                    job.lines.push(JobLine { text: significant, source: line, dwell });
+                    job.lines.push(JobLine {
+                        text: significant,
+                        source: line,
+                        dwell,
+                    });
                 }
                 Err(e) => {
                     let m6 = matches!(&e.complaint, Complaint::UnsupportedCode { code } if code.letter == 'M' && code.number == 6.0);
-                    let why = if m6 { Refusal::ToolChange } else { Refusal::Word(e.complaint) };
-                    errors.push(JobError { line, column: e.column, why });
+                    let why = if m6 {
+                        Refusal::ToolChange
+                    } else {
+                        Refusal::Word(e.complaint)
+                    };
+                    errors.push(JobError {
+                        line,
+                        column: e.column,
+                        why,
+                    });
                 }
             }
         }
         if errors.is_empty() && job.lines.is_empty() {
-            errors.push(JobError { line: job.source_lines.max(1), column: 1, why: Refusal::Empty });
+            errors.push(JobError {
+                line: job.source_lines.max(1),
+                column: 1,
+                why: Refusal::Empty,
+            });
         }
-        if errors.is_empty() { Ok(job) } else { Err(errors) }
+        if errors.is_empty() {
+            Ok(job)
+        } else {
+            Err(errors)
+        }
     }
 
     /// Bytes that will be sent.
@@ -161,8 +196,12 @@ fn forbidden(content: &str, significant: &str) -> Option<Refusal> {
     let mut rest = significant;
     while let Some(at) = rest.find('G') {
         rest = rest.get(at + 1..).unwrap_or_default();
-        let digits = rest.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(rest.len());
-        let Some(code) = rest.get(..digits).and_then(|d| d.parse::<f64>().ok()) else { continue };
+        let digits = rest
+            .find(|c: char| !c.is_ascii_digit() && c != '.')
+            .unwrap_or(rest.len());
+        let Some(code) = rest.get(..digits).and_then(|d| d.parse::<f64>().ok()) else {
+            continue;
+        };
         for (number, name) in [(10.0, "G10"), (28.1, "G28.1"), (30.1, "G30.1")] {
             if (code - number).abs() < 5e-3 {
                 return Some(Refusal::WritesMemory(name));
@@ -174,7 +213,9 @@ fn forbidden(content: &str, significant: &str) -> Option<Refusal> {
 
 fn dwell(event: &Event) -> f64 {
     match event {
-        Event::Dwell { time: Seconds(t), .. } => *t,
+        Event::Dwell {
+            time: Seconds(t), ..
+        } => *t,
         _ => 0.0,
     }
 }
@@ -188,7 +229,8 @@ fn follow(end: &mut [Option<f64>; 3], event: &Event, state: &State) {
                 if m.machine_coordinates {
                     // Even a move that looks like none here may be one on the machine.
                     *known = None;
-                } else if state.distance == gcode::Distance::Absolute && (moved || known.is_some()) {
+                } else if state.distance == gcode::Distance::Absolute && (moved || known.is_some())
+                {
                     *known = Some(m.to[i]);
                 } else if let Some(place) = known {
                     *place += m.to[i] - m.from[i];
@@ -207,13 +249,24 @@ mod tests {
     use proptest::prelude::*;
 
     fn refused(text: &str) -> String {
-        Job::vet(text).unwrap_err().iter().map(ToString::to_string).collect::<Vec<_>>().join("\n")
+        Job::vet(text)
+            .unwrap_err()
+            .iter()
+            .map(ToString::to_string)
+            .collect::<Vec<_>>()
+            .join("\n")
     }
 
     #[test]
     fn strips_what_the_controller_would_and_keeps_the_line_numbers() {
-        let job = Job::vet("%\n(part ?! \u{e9})\ng21 g90 ; mm\n\nG1 X1.5 Y2 (cut~) F300\nG4 P2\n%\n").unwrap();
-        let lines: Vec<(usize, &str)> = job.lines.iter().map(|l| (l.source, l.text.as_str())).collect();
+        let job =
+            Job::vet("%\n(part ?! \u{e9})\ng21 g90 ; mm\n\nG1 X1.5 Y2 (cut~) F300\nG4 P2\n%\n")
+                .unwrap();
+        let lines: Vec<(usize, &str)> = job
+            .lines
+            .iter()
+            .map(|l| (l.source, l.text.as_str()))
+            .collect();
         assert_eq!(lines, [(3, "G21G90"), (5, "G1X1.5Y2F300"), (6, "G4P2")]);
         assert_eq!(job.lines[2].dwell, 2.0);
         assert_eq!(job.end, [Some(1.5), Some(2.0), None]);
@@ -239,9 +292,15 @@ mod tests {
     #[test]
     fn the_end_is_known_only_where_the_text_decides_it() {
         assert_eq!(Job::vet("G0 X1 Y1 Z1\nG53 G0 Z0\n").unwrap().end, [None; 3]);
-        assert_eq!(Job::vet("G0 X1 Y1 Z1\nG91\nG0 X1\n").unwrap().end, [Some(2.0), Some(1.0), Some(1.0)]);
+        assert_eq!(
+            Job::vet("G0 X1 Y1 Z1\nG91\nG0 X1\n").unwrap().end,
+            [Some(2.0), Some(1.0), Some(1.0)]
+        );
         assert_eq!(Job::vet("G91\nG0 X1\n").unwrap().end, [None; 3]);
-        assert_eq!(Job::vet("G0 X1\nG92 X0\nG0 X5 Z2\nM30\n").unwrap().end, [Some(5.0), None, Some(2.0)]);
+        assert_eq!(
+            Job::vet("G0 X1\nG92 X0\nG0 X5 Z2\nM30\n").unwrap().end,
+            [Some(5.0), None, Some(2.0)]
+        );
     }
 
     proptest! {

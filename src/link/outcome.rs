@@ -203,15 +203,32 @@ mod tests {
 
     #[test]
     fn endings_say_where_what_and_what_next() {
-        let e = Ending::Refused { line: 12, text: "G1X1".into(), code: 22 };
+        let e = Ending::Refused {
+            line: 12,
+            text: "G1X1".into(),
+            code: 22,
+        };
         assert_eq!(
             e.to_string(),
             "line 12 (`G1X1`): the controller refused it with error:22: no feed rate is set. Put an F word at or before the \
              first cutting move."
         );
         assert_eq!(e.key(), "error:22 at line 12");
-        let e = Ending::Alarm { code: 2, line: Some(3) };
-        assert!(e.to_string().starts_with("ALARM:2 while line 3 was waiting: the target lies outside"));
-        assert!(Ending::Alarm { code: 77, line: None }.to_string().contains("does not know"));
+        let e = Ending::Alarm {
+            code: 2,
+            line: Some(3),
+        };
+        assert!(
+            e.to_string()
+                .starts_with("ALARM:2 while line 3 was waiting: the target lies outside")
+        );
+        assert!(
+            Ending::Alarm {
+                code: 77,
+                line: None
+            }
+            .to_string()
+            .contains("does not know")
+        );
     }
 }

@@ -73,19 +73,29 @@ impl SerialPort {
     /// # Errors
     /// The device is missing, busy, not a serial port, or not permitted.
     pub fn open(path: &str, baud: u32, timeout: Duration) -> Result<SerialPort, PortError> {
-        let tty = serialport::new(path, baud).timeout(timeout).open_native().map_err(|e| PortError::Open {
+        let tty = serialport::new(path, baud)
+            .timeout(timeout)
+            .open_native()
+            .map_err(|e| PortError::Open {
+                path: path.to_string(),
+                advice: advice(&e),
+                why: e.to_string(),
+            })?;
+        Ok(SerialPort {
+            tty,
             path: path.to_string(),
-            advice: advice(&e),
-            why: e.to_string(),
-        })?;
-        Ok(SerialPort { tty, path: path.to_string() })
+        })
     }
 }
 
 fn advice(error: &serialport::Error) -> &'static str {
     match error.kind() {
-        serialport::ErrorKind::NoDevice => "Another program may be using it: close it and try again.",
-        serialport::ErrorKind::Io(ErrorKind::NotFound) => "Run `morsemill ports` to see which ports there are.",
+        serialport::ErrorKind::NoDevice => {
+            "Another program may be using it: close it and try again."
+        }
+        serialport::ErrorKind::Io(ErrorKind::NotFound) => {
+            "Run `morsemill ports` to see which ports there are."
+        }
         serialport::ErrorKind::Io(ErrorKind::PermissionDenied) => {
             "Your user may need to belong to the group that owns the device (often `dialout`)."
         }
@@ -96,12 +106,20 @@ fn advice(error: &serialport::Error) -> &'static str {
 impl Port for SerialPort {
     fn read(&mut self, into: &mut [u8]) -> Result<usize, PortError> {
         match self.tty.read(into) {
-            Ok(0) => Err(PortError::Gone { path: self.path.clone() }),
+            Ok(0) => Err(PortError::Gone {
+                path: self.path.clone(),
+            }),
             Ok(n) => Ok(n),
             Err(e) => match e.kind() {
                 ErrorKind::TimedOut | ErrorKind::Interrupted | ErrorKind::WouldBlock => Ok(0),
-                ErrorKind::BrokenPipe | ErrorKind::NotConnected => Err(PortError::Gone { path: self.path.clone() }),
-                _ => Err(PortError::Failed { path: self.path.clone(), doing: "reading", why: e.to_string() }),
+                ErrorKind::BrokenPipe | ErrorKind::NotConnected => Err(PortError::Gone {
+                    path: self.path.clone(),
+                }),
+                _ => Err(PortError::Failed {
+                    path: self.path.clone(),
+                    doing: "reading",
+                    why: e.to_string(),
+                }),
             },
         }
     }
@@ -114,15 +132,27 @@ impl Port for SerialPort {
             match self.tty.write(chunk) {
                 Ok(n) => rest = rest.get(n..).unwrap_or_default(),
                 Err(e) => match e.kind() {
-                    ErrorKind::TimedOut | ErrorKind::Interrupted | ErrorKind::WouldBlock if patience > 0 => patience -= 1,
+                    ErrorKind::TimedOut | ErrorKind::Interrupted | ErrorKind::WouldBlock
+                        if patience > 0 =>
+                    {
+                        patience -= 1
+                    }
                     ErrorKind::TimedOut | ErrorKind::Interrupted | ErrorKind::WouldBlock => {
-                        return Err(PortError::Stuck { path: self.path.clone() });
+                        return Err(PortError::Stuck {
+                            path: self.path.clone(),
+                        });
                     }
                     ErrorKind::BrokenPipe | ErrorKind::NotConnected => {
-                        return Err(PortError::Gone { path: self.path.clone() });
+                        return Err(PortError::Gone {
+                            path: self.path.clone(),
+                        });
                     }
                     _ => {
-                        return Err(PortError::Failed { path: self.path.clone(), doing: "writing", why: e.to_string() });
+                        return Err(PortError::Failed {
+                            path: self.path.clone(),
+                            doing: "writing",
+                            why: e.to_string(),
+                        });
                     }
                 },
             }
@@ -155,14 +185,24 @@ pub fn list() -> Result<Vec<PortEntry>, PortError> {
         .map(|p| {
             let title = match p.port_type {
                 serialport::SerialPortType::UsbPort(usb) => {
-                    let words: Vec<String> = [usb.manufacturer, usb.product].into_iter().flatten().collect();
-                    if words.is_empty() { format!("USB {:04x}:{:04x}", usb.vid, usb.pid) } else { words.join(" ") }
+                    let words: Vec<String> = [usb.manufacturer, usb.product]
+                        .into_iter()
+                        .flatten()
+                        .collect();
+                    if words.is_empty() {
+                        format!("USB {:04x}:{:04x}", usb.vid, usb.pid)
+                    } else {
+                        words.join(" ")
+                    }
                 }
                 serialport::SerialPortType::BluetoothPort => "Bluetooth".to_string(),
                 serialport::SerialPortType::PciPort => "built in".to_string(),
                 serialport::SerialPortType::Unknown => "serial port".to_string(),
             };
-            PortEntry { path: p.port_name, title }
+            PortEntry {
+                path: p.port_name,
+                title,
+            }
         })
         .collect();
     entries.sort_by(|a, b| a.path.cmp(&b.path));
@@ -176,15 +216,27 @@ mod tests {
 
     #[test]
     fn a_missing_device_says_what_to_do() {
-        let e = SerialPort::open("/dev/no-such-port", 115_200, Duration::from_millis(5)).err().unwrap();
+        let e = SerialPort::open("/dev/no-such-port", 115_200, Duration::from_millis(5))
+            .err()
+            .unwrap();
         let text = e.to_string();
-        assert!(text.starts_with("/dev/no-such-port: cannot open the port:"), "{text}");
+        assert!(
+            text.starts_with("/dev/no-such-port: cannot open the port:"),
+            "{text}"
+        );
         assert!(text.contains("morsemill ports"), "{text}");
     }
 
     #[test]
     fn a_file_is_not_a_port() {
         let file = tempfile::NamedTempFile::new().unwrap();
-        assert!(SerialPort::open(file.path().to_str().unwrap(), 115_200, Duration::from_millis(5)).is_err());
+        assert!(
+            SerialPort::open(
+                file.path().to_str().unwrap(),
+                115_200,
+                Duration::from_millis(5)
+            )
+            .is_err()
+        );
     }
 }

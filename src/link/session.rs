@@ -169,7 +169,9 @@ impl Session {
             total: self.total,
             position: self.position,
             position_kept: self.position_kept,
-            running_s: self.first_motion.map_or(0.0, |t| self.ended_at.saturating_sub(t).as_secs_f64()),
+            running_s: self
+                .first_motion
+                .map_or(0.0, |t| self.ended_at.saturating_sub(t).as_secs_f64()),
         })
     }
 
@@ -250,7 +252,11 @@ impl Session {
             }
             Phase::Asking | Phase::Questions(_) => {
                 if now - self.last_heard.max(self.since) > SILENCE {
-                    let waiting_for = if self.phase == Phase::Asking { "its status" } else { "its settings" };
+                    let waiting_for = if self.phase == Phase::Asking {
+                        "its status"
+                    } else {
+                        "its settings"
+                    };
                     self.ending = Ending::Silent { waiting_for };
                     return self.enter(Phase::Ended, now);
                 }
@@ -262,7 +268,13 @@ impl Session {
             Phase::Streaming => {
                 self.send_lines();
                 if now - self.last_heard > SILENCE {
-                    self.stop(Ending::Silent { waiting_for: "a status report" }, "the controller no longer answers", now);
+                    self.stop(
+                        Ending::Silent {
+                            waiting_for: "a status report",
+                        },
+                        "the controller no longer answers",
+                        now,
+                    );
                 } else {
                     self.notice_a_lost_reply(now);
                 }
@@ -317,8 +329,12 @@ impl Session {
     }
 
     fn notice_a_lost_reply(&mut self, now: Duration) {
-        let (Some(idle), Some(stream)) = (self.idle_since, &self.stream) else { return };
-        let Some(oldest) = stream.unanswered().first() else { return };
+        let (Some(idle), Some(stream)) = (self.idle_since, &self.stream) else {
+            return;
+        };
+        let Some(oldest) = stream.unanswered().first() else {
+            return;
+        };
         let dwell: f64 = stream.unanswered().iter().map(|l| l.dwell).sum();
         let patience = LOST_REPLY + Duration::try_from_secs_f64(dwell).unwrap_or(Duration::MAX / 4);
         if now - idle.max(self.last_answer) > patience {
@@ -355,7 +371,9 @@ impl Session {
             }
             Phase::Asking => match reply {
                 Reply::Status(status) => self.first_look(&status.state, now),
-                Reply::Welcome { firmware, version } => self.version = format!("{firmware} {version}"),
+                Reply::Welcome { firmware, version } => {
+                    self.version = format!("{firmware} {version}")
+                }
                 _ => {}
             },
             Phase::Questions(index) => self.hear_answer(index, reply, now),
@@ -396,7 +414,9 @@ impl Session {
         let unit = if self.inches { 25.4 } else { 1.0 };
         self.position = match (status.position, self.work_offset) {
             (Some(Position::Work(p)), _) => Some(p.map(|c| c * unit)),
-            (Some(Position::Machine(p)), Some(o)) => Some([p[0] - o[0], p[1] - o[1], p[2] - o[2]].map(|c| c * unit)),
+            (Some(Position::Machine(p)), Some(o)) => {
+                Some([p[0] - o[0], p[1] - o[1], p[2] - o[2]].map(|c| c * unit))
+            }
             _ => None,
         };
         if status.state == State::Idle {
@@ -408,7 +428,9 @@ impl Session {
             self.first_motion.get_or_insert(now);
         }
         self.state = Some(status.state.clone());
-        if let (Some(stream), Phase::Streaming | Phase::Stopping { .. }) = (&self.stream, &self.phase) {
+        if let (Some(stream), Phase::Streaming | Phase::Stopping { .. }) =
+            (&self.stream, &self.phase)
+        {
             self.news.push(Progress::Report {
                 sent: stream.sent(),
                 acknowledged: stream.acknowledged(),
@@ -476,7 +498,10 @@ impl Session {
 
     fn start(&mut self, now: Duration) {
         let rx_bytes = self.build.rx.unwrap_or(self.options.rx_bytes);
-        self.news.push(Progress::Connected { version: self.version.clone(), rx_bytes });
+        self.news.push(Progress::Connected {
+            version: self.version.clone(),
+            rx_bytes,
+        });
         for (number, promised) in self.options.settings.clone() {
             match self.settings.iter().find(|s| s.0 == number) {
                 Some((_, actual)) if (actual - promised).abs() > 1e-3 + promised.abs() * 1e-3 => self.note(&format!(
@@ -491,13 +516,19 @@ impl Session {
         let mut lines = std::mem::take(&mut self.job);
         let active: Vec<&str> = self.modes.split_whitespace().collect();
         if MODES.iter().any(|m| !active.contains(m)) {
-            self.note(&format!("the controller's modes were {}; the job starts from {}", self.modes, MODES.join(" ")));
+            self.note(&format!(
+                "the controller's modes were {}; the job starts from {}",
+                self.modes,
+                MODES.join(" ")
+            ));
             lines.insert(0, JobLine::own(&MODES.concat()));
             self.total += 1;
         }
         match Stream::new(lines, rx_bytes) {
             Ok(stream) => {
-                self.news.push(Progress::Started { total: stream.total() });
+                self.news.push(Progress::Started {
+                    total: stream.total(),
+                });
                 self.stream = Some(stream);
                 self.last_answer = now;
                 self.enter(Phase::Streaming, now);
@@ -522,12 +553,20 @@ impl Session {
             }
             _ => {}
         }
-        let Some(stream) = &mut self.stream else { return };
+        let Some(stream) = &mut self.stream else {
+            return;
+        };
         match stream.receive(reply) {
             Receipt::Accepted(_) => self.last_answer = now,
             Receipt::Refused { index, code } => {
-                let (line, text) = stream.line(index).map_or((0, String::new()), |l| (l.source, l.text.clone()));
-                self.stop(Ending::Refused { line, text, code }, "the controller refused a line", now);
+                let (line, text) = stream
+                    .line(index)
+                    .map_or((0, String::new()), |l| (l.source, l.text.clone()));
+                self.stop(
+                    Ending::Refused { line, text, code },
+                    "the controller refused a line",
+                    now,
+                );
             }
             Receipt::Unasked => self.note("an answer no line was waiting for: noise on the cable?"),
             Receipt::Push => {
@@ -542,10 +581,13 @@ impl Session {
 
     /// A hold we did not ask for is told once; a resume that came too early is made good.
     fn holding(&mut self, state: &State) {
-        let held = matches!(state, State::Hold { at_rest: true } | State::Door(DoorPhase::Closed | DoorPhase::Ajar));
+        let held = matches!(
+            state,
+            State::Hold { at_rest: true } | State::Door(DoorPhase::Closed | DoorPhase::Ajar)
+        );
         if !held {
-            self.pause_told = false;
-            if matches!(state, State::Run | State::Idle) {
+            // Once it was told, a report without a hold means that somebody else resumed; before that, it is merely older than the hold.
+            if std::mem::take(&mut self.pause_told) {
                 self.hold_asked = false;
             }
             return;
@@ -554,12 +596,19 @@ impl Session {
             self.resume_if_at_rest();
         } else if !self.pause_told {
             self.pause_told = true;
-            let m0 = self.stream.as_ref().and_then(|s| s.unanswered().iter().find(|l| is_pause(&l.text)));
+            let m0 = self
+                .stream
+                .as_ref()
+                .and_then(|s| s.unanswered().iter().find(|l| is_pause(&l.text)));
             let why = match (state, m0, self.hold_asked) {
                 (State::Door(_), ..) => "safety door: close it, then resume".to_string(),
-                (_, Some(line), false) => format!("the program pauses at line {} ({}): resume when ready", line.source, line.text),
+                (_, Some(line), false) => format!(
+                    "the program pauses at line {} ({}): resume when ready",
+                    line.source, line.text
+                ),
                 (_, _, true) => "on hold, at rest: resume or stop".to_string(),
-                _ => "the machine is on hold, but not by us (a button, or noise): resume or stop".to_string(),
+                _ => "the machine is on hold, but not by us (a button, or noise): resume or stop"
+                    .to_string(),
             };
             self.news.push(Progress::Paused(why));
         }
@@ -567,7 +616,10 @@ impl Session {
 
     fn resume_if_at_rest(&mut self) {
         // `~` is ignored while the hold is still slowing down, so it waits for the report that it has come to rest.
-        if matches!(self.state, Some(State::Hold { at_rest: true } | State::Door(DoorPhase::Closed))) {
+        if matches!(
+            self.state,
+            Some(State::Hold { at_rest: true } | State::Door(DoorPhase::Closed))
+        ) {
             self.resume_wanted = false;
             self.hold_asked = false;
             self.pause_told = false;
@@ -602,20 +654,30 @@ impl Session {
 
     fn coming_to_rest(&mut self, state: &State, quiet_reports: u32, now: Duration) {
         // One Idle may be older than our hold; two in a row are not. `Hold:0` says it all.
-        let quiet_reports = if state.at_rest() { quiet_reports + 1 } else { 0 };
+        let quiet_reports = if state.at_rest() {
+            quiet_reports + 1
+        } else {
+            0
+        };
         let certain = matches!(state, State::Hold { at_rest: true });
         if certain || quiet_reports >= 2 {
             return self.reset(now);
         }
         self.phase = Phase::Stopping { quiet_reports };
-        if matches!(state, State::Run | State::Jog) && now - self.last_hold_sent > Duration::from_millis(500) {
+        if matches!(state, State::Run | State::Jog)
+            && now - self.last_hold_sent > Duration::from_millis(500)
+        {
             self.realtime(Realtime::Hold);
             self.last_hold_sent = now;
         }
     }
 
     fn alarm(&mut self, code: u16, now: Duration) {
-        let line = self.stream.as_ref().and_then(|s| s.unanswered().first()).map(|l| l.source);
+        let line = self
+            .stream
+            .as_ref()
+            .and_then(|s| s.unanswered().first())
+            .map(|l| l.source);
         if let Some(stream) = &mut self.stream {
             stream.interrupt();
         }

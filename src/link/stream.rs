@@ -70,7 +70,11 @@ impl Stream {
         lines.push(JobLine::own("G4P0"));
         let window = rx_bytes.saturating_sub(MARGIN);
         if let Some(line) = lines.iter().find(|l| l.bytes() > window) {
-            return Err(StreamError::LineTooLong { line: line.source, bytes: line.bytes(), window });
+            return Err(StreamError::LineTooLong {
+                line: line.source,
+                bytes: line.bytes(),
+                window,
+            });
         }
         Ok(Stream {
             lines,
@@ -161,7 +165,9 @@ impl Stream {
 
     /// The lines that were sent and not answered yet, oldest first.
     pub fn unanswered(&self) -> &[JobLine] {
-        self.lines.get(self.acknowledged..self.sent).unwrap_or_default()
+        self.lines
+            .get(self.acknowledged..self.sent)
+            .unwrap_or_default()
     }
 
     /// Every line, the closing `G4 P0` included, was answered.
@@ -187,7 +193,11 @@ mod tests {
         lengths
             .iter()
             .enumerate()
-            .map(|(i, n)| JobLine { text: "X".repeat(*n), source: i + 1, dwell: 0.0 })
+            .map(|(i, n)| JobLine {
+                text: "X".repeat(*n),
+                source: i + 1,
+                dwell: 0.0,
+            })
             .collect()
     }
 
@@ -197,7 +207,10 @@ mod tests {
         while s.sendable().is_some() {}
         assert_eq!(s.sent(), 4);
         assert_eq!(s.receive(&Reply::Ok), Receipt::Accepted(0));
-        assert_eq!(s.receive(&Reply::Error(20)), Receipt::Refused { index: 1, code: 20 });
+        assert_eq!(
+            s.receive(&Reply::Error(20)),
+            Receipt::Refused { index: 1, code: 20 }
+        );
         assert!(s.sendable().is_none());
         // Lines already in the controller are still answered.
         assert_eq!(s.receive(&Reply::Ok), Receipt::Accepted(2));

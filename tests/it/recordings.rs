@@ -18,7 +18,12 @@ fn machine() -> Controller {
 }
 
 fn replies(c: &mut Controller) -> Vec<String> {
-    String::from_utf8(c.output()).unwrap().lines().filter(|l| !l.is_empty()).map(String::from).collect()
+    String::from_utf8(c.output())
+        .unwrap()
+        .lines()
+        .filter(|l| !l.is_empty())
+        .map(String::from)
+        .collect()
 }
 
 /// The recordings hold bytes as Latin-1 characters.
@@ -27,7 +32,9 @@ fn bytes(text: &str) -> Vec<u8> {
 }
 
 fn strings(v: &Value) -> Vec<String> {
-    v.as_array().map(|a| a.iter().map(|s| s.as_str().unwrap().to_string()).collect()).unwrap_or_default()
+    v.as_array()
+        .map(|a| a.iter().map(|s| s.as_str().unwrap().to_string()).collect())
+        .unwrap_or_default()
 }
 
 fn settle(c: &mut Controller) {
@@ -61,11 +68,20 @@ fn replay_line(probe: &Value) -> Result<(), String> {
         // The recordings asked in this order; a prime marks a question asked again.
         for (question, want) in after {
             let asked = question.trim_end_matches('\'');
-            c.feed(if asked == "?" { b"?".to_vec() } else { format!("{asked}\n").into_bytes() }.as_slice());
+            c.feed(
+                if asked == "?" {
+                    b"?".to_vec()
+                } else {
+                    format!("{asked}\n").into_bytes()
+                }
+                .as_slice(),
+            );
             c.advance(0.1);
             let (got, want) = (replies(&mut c), strings(want));
             if got != want {
-                return Err(format!("then to {question} said {got:?} instead of {want:?}"));
+                return Err(format!(
+                    "then to {question} said {got:?} instead of {want:?}"
+                ));
             }
         }
     }
@@ -80,11 +96,22 @@ fn lines_are_answered_as_the_firmware_did() {
         let probe: Value = serde_json::from_str(line).unwrap();
         count += 1;
         if let Err(why) = replay_line(&probe) {
-            failed.push(format!("{} {} {:?} {}: {why}", probe["id"], probe["group"], probe["send"].as_str(), probe["setup"]));
+            failed.push(format!(
+                "{} {} {:?} {}: {why}",
+                probe["id"],
+                probe["group"],
+                probe["send"].as_str(),
+                probe["setup"]
+            ));
         }
     }
     eprintln!("{} of {count} agree", count - failed.len());
-    assert!(failed.is_empty(), "{} of {count} differ:\n{}", failed.len(), failed.join("\n"));
+    assert!(
+        failed.is_empty(),
+        "{} of {count} differ:\n{}",
+        failed.len(),
+        failed.join("\n")
+    );
 }
 
 /// Two replies agree when they are the same but for what may change in the few milliseconds that the real firmware takes to read a
@@ -93,12 +120,20 @@ fn alike(got: &str, want: &str) -> bool {
     if got == want {
         return true;
     }
-    let fields = |s: &str| s.trim_matches(['<', '>']).split('|').map(String::from).collect::<Vec<_>>();
+    let fields = |s: &str| {
+        s.trim_matches(['<', '>'])
+            .split('|')
+            .map(String::from)
+            .collect::<Vec<_>>()
+    };
     let (g, w) = (fields(got), fields(want));
     g.len() == w.len()
         && g.iter().zip(&w).all(|(g, w)| {
             let list = |name: &str, s: &str| -> Option<Vec<f64>> {
-                s.strip_prefix(name)?.split(',').map(|v| v.parse().ok()).collect()
+                s.strip_prefix(name)?
+                    .split(',')
+                    .map(|v| v.parse().ok())
+                    .collect()
             };
             let near = |name: &str, by: f64| match (list(name, g), list(name, w)) {
                 (Some(g), Some(w)) => g.iter().zip(&w).all(|(a, b)| (a - b).abs() <= by),
@@ -126,7 +161,10 @@ fn replay_sequence(sequence: &Value) -> Result<(), String> {
         c.advance(step["then_run_ms"].as_f64().unwrap() / 1000.0);
         let (got, want) = (replies(&mut c), strings(&step["recv"]));
         if got.len() != want.len() || !got.iter().zip(&want).all(|(g, w)| alike(g, w)) {
-            return Err(format!("step {i} {:?}: said {got:?} instead of {want:?}", step["send"].as_str()));
+            return Err(format!(
+                "step {i} {:?}: said {got:?} instead of {want:?}",
+                step["send"].as_str()
+            ));
         }
     }
     Ok(())
@@ -160,5 +198,10 @@ fn sequences_go_as_the_firmware_went() {
         }
     }
     eprintln!("{} of {count} agree", count - failed.len());
-    assert!(failed.is_empty(), "{} of {count} differ:\n{}", failed.len(), failed.join("\n"));
+    assert!(
+        failed.is_empty(),
+        "{} of {count} differ:\n{}",
+        failed.len(),
+        failed.join("\n")
+    );
 }
