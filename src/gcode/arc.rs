@@ -65,6 +65,9 @@ pub(super) fn by_center(
     let start = (s[0] - c[0]).hypot(s[1] - c[1]);
     let end = (e[0] - c[0]).hypot(e[1] - c[1]);
     let differ = (start - end).abs();
+    if start == 0.0 && dialect == Dialect::LinuxCnc {
+        return Err(Complaint::ArcRadiusZero);
+    }
     // Small misses come from rounding in the post and are spread along the arc; large ones mean that the program is wrong.
     let bad = match dialect {
         Dialect::Grbl => differ > 0.5 || (differ > 0.005 && differ > 0.001 * start),

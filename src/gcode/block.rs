@@ -6,6 +6,7 @@
 //!
 //! The order of complaints is the firmware's: word by word, first hit wins.
 
+use super::codes::{AxisUser, Coolant, GROUPS, Group, Letters, NonModal, Path, Stop, ToolLength};
 use super::error::{Code, Complaint, Fault};
 use super::event::Plane;
 use super::state::{Dialect, Distance, FeedMode, MotionMode, Probe, Units};
@@ -20,153 +21,6 @@ fn tool_limit(dialect: Dialect) -> u32 {
     match dialect {
         Dialect::Grbl => 255,
         Dialect::LinuxCnc => 99_999,
-    }
-}
-
-/// Which command of the block uses X, Y and Z.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum AxisUser {
-    /// Nothing in the block claims them.
-    Nobody,
-    /// G0 to G3, G38.x.
-    Motion,
-    /// G10, G28, G30, G92.
-    NonModal,
-    /// G43.1, G49.
-    ToolLength,
-}
-
-/// Commands that act in their own block only (group 0).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum NonModal {
-    /// G4.
-    Dwell,
-    /// G10.
-    SetOffset,
-    /// G28.
-    GoHome,
-    /// G30.
-    GoSecondHome,
-    /// G28.1.
-    StoreHome,
-    /// G30.1.
-    StoreSecondHome,
-    /// G53.
-    MachineCoordinates,
-    /// G92.
-    Shift,
-    /// G92.1.
-    ClearShift,
-}
-
-/// G43, G43.1, G49.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum ToolLength {
-    Cancel,
-    Dynamic,
-    Table,
-}
-
-/// G61, G61.1, G64.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Path {
-    ExactPath,
-    ExactStop,
-    Blend,
-}
-
-/// M0, M1, M2, M30.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Stop {
-    Pause,
-    OptionalPause,
-    End,
-}
-
-/// M7, M8, M9.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Coolant {
-    Mist,
-    Flood,
-    Off,
-}
-
-/// Modal groups, by the bit that marks them as seen.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Group {
-    NonModal,
-    Motion,
-    Plane,
-    Distance,
-    ArcDistance,
-    FeedMode,
-    Units,
-    CutterRadius,
-    ToolLength,
-    WorkOffset,
-    Path,
-    Stop,
-    ToolChange,
-    Spindle,
-    Coolant,
-}
-
-const GROUPS: usize = 15;
-
-impl Group {
-    fn name(self) -> &'static str {
-        match self {
-            Group::NonModal => "commands for one line only",
-            Group::Motion => "motion",
-            Group::Plane => "plane",
-            Group::Distance => "absolute or incremental",
-            Group::ArcDistance => "arc centres",
-            Group::FeedMode => "feed mode",
-            Group::Units => "units",
-            Group::CutterRadius => "cutter radius",
-            Group::ToolLength => "tool length",
-            Group::WorkOffset => "work offset",
-            Group::Path => "path control",
-            Group::Stop => "program stop",
-            Group::ToolChange => "tool change",
-            Group::Spindle => "spindle",
-            Group::Coolant => "coolant",
-        }
-    }
-}
-
-/// A set of letters.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub(super) struct Letters(u32);
-
-impl Letters {
-    pub const fn of(letters: &[u8]) -> Letters {
-        let mut bits = 0;
-        let mut i = 0;
-        while i < letters.len() {
-            bits |= 1 << (letters[i] - b'A');
-            i += 1;
-        }
-        Letters(bits)
-    }
-    #[inline]
-    pub fn has(self, letter: u8) -> bool {
-        self.0 & (1 << (letter - b'A')) != 0
-    }
-    #[inline]
-    pub fn and(self, other: Letters) -> Letters {
-        Letters(self.0 & other.0)
-    }
-    #[inline]
-    pub fn without(self, other: Letters) -> Letters {
-        Letters(self.0 & !other.0)
-    }
-    #[inline]
-    pub fn any(self) -> bool {
-        self.0 != 0
-    }
-    pub fn iter(self) -> impl Iterator<Item = u8> {
-        (b'A'..=b'Z').filter(move |&l| self.has(l))
     }
 }
 
@@ -224,7 +78,7 @@ impl Block {
             coolant: None,
             tool_change: false,
             axis_user: AxisUser::Nobody,
-            letters: Letters(0),
+            letters: Letters::default(),
             start: 0,
             groups: 0,
             values: [0.0; 26],
@@ -450,8 +304,8 @@ impl Block {
             61 | 64 => {
                 plain = false;
                 self.path = Some(match (whole, hundredths) {
-                    (61, 0) => Path::ExactPath,
-                    (61, 10) if linuxcnc => Path::ExactStop,
+                    (61, 0) => Path::Exact,
+                    (61, 10) if linuxcnc => Path::Stop,
                     (64, 0) if linuxcnc => Path::Blend,
                     _ => return fault(unsupported),
                 });
@@ -550,7 +404,7 @@ impl Block {
             return fault(Complaint::Negative { letter });
         }
         let i = usize::from(word.letter - b'A');
-        self.letters.0 |= 1 << i;
+        self.letters.add(word.letter);
         self.values[i] = word.value;
         self.letter_at[i] = word.start;
         Ok(())

@@ -4,7 +4,8 @@
 //! checks stand in the firmware's order: a block with two mistakes gets the same complaint here as there.
 
 use super::arc;
-use super::block::{AXES, AxisUser, Block, Group, Letters, NonModal, ToolLength};
+use super::block::{AXES, Block};
+use super::codes::{AxisUser, Group, Letters, NonModal, Path, ToolLength};
 use super::error::{Complaint, Fault};
 use super::event::{Arc, MotionKind, Plane};
 use super::state::{Dialect, Distance, FeedMode, MotionMode, Probe, State, Units};
@@ -150,7 +151,7 @@ pub(super) fn check(state: &State, block: &Block, line: Line) -> Result<Plan, Fa
 
     let plane = block.plane.unwrap_or(state.plane);
     let tlo = tool_length(state, block, axes, mm, &mut unused)?;
-    if dialect == Dialect::LinuxCnc && block.path == Some(super::block::Path::Blend) {
+    if dialect == Dialect::LinuxCnc && block.path == Some(Path::Blend) {
         unused.take(b"PQ");
     }
     let work_offset = block.work_offset.unwrap_or(state.work_offset);

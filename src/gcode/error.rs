@@ -207,6 +207,9 @@ pub enum Complaint {
     /// GRBL: invalid jog command, a G or M word that a jog line must not have.
     #[error("a jog line takes axis words, F, G20 G21 G90 G91 and G53 only: remove the rest")]
     JogWord,
+    /// LinuxCNC only: the arc's centre is its start.
+    #[error("the arc's centre is its start: give the centre by I J K, not zero")]
+    ArcRadiusZero,
     /// LinuxCNC only: a comment is not closed.
     #[error("the comment is not closed: put ) before the end of the line")]
     CommentOpen,

@@ -4,9 +4,9 @@
 //! never any knowledge of `post`: the two are each other's witness.
 //!
 //! ```text
-//! word -> block -> check -> interpret -> event
-//! letters  one      against   carried      what the
-//! numbers  line     state     out          machine is told
+//! word -> block -> check -> execute -> event        interpret: all of it, for a line or a program
+//! letters  one      against  carried    what the
+//! numbers  line     state    out        machine is told
 //! ```
 //!
 //! ```
@@ -22,8 +22,10 @@
 mod arc;
 mod block;
 mod check;
+mod codes;
 pub mod error;
 pub mod event;
+mod execute;
 pub mod interpret;
 pub mod state;
 mod word;

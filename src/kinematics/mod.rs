@@ -7,9 +7,11 @@
 pub mod chord;
 pub mod planner;
 pub mod profile;
+pub mod settings;
 pub mod time;
 
 pub use chord::{Chords, chords};
-pub use planner::{Block, Overrides, Planner, Pushed, Settings, Speed, Target};
+pub use planner::{Block, Overrides, Planner, Pushed, Speed, Target};
 pub use profile::{Profile, Ramp};
+pub use settings::Settings;
 pub use time::{Times, program_time};

@@ -15,46 +15,10 @@
 //! Units: mm, s, mm/s, mm/s².
 
 use super::profile::{Profile, Ramp};
+use super::settings::Settings;
 use crate::geom::{Point, Vector};
-use crate::machine::Machine;
-use crate::units::{Mm, MmPerMin, MmPerSec2, Seconds};
+use crate::units::MmPerMin;
 use std::collections::VecDeque;
-
-/// What the planner must know of a machine. Arrays are X, Y, Z; every figure is above zero unless said otherwise.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Settings {
-    /// Steps per mm ($100..): targets are rounded to whole steps.
-    pub steps_per_mm: [f64; 3],
-    /// Highest speed of each axis ($110..).
-    pub max_rate: [MmPerMin; 3],
-    /// Acceleration of each axis ($120..).
-    pub acceleration: [MmPerSec2; 3],
-    /// Junction deviation ($11); zero is a stop at each corner.
-    pub junction_deviation: Mm,
-    /// Arc tolerance ($12).
-    pub arc_tolerance: Mm,
-    /// Blocks the window holds (15 in GRBL); at least 1.
-    pub blocks: usize,
-    /// How long the motors are held after each standstill before anything else happens ($1); zero is allowed.
-    pub idle_delay: Seconds,
-}
-
-/// GRBL's `$1` as shipped.
-const IDLE_DELAY: Seconds = Seconds(0.025);
-
-impl From<&Machine> for Settings {
-    fn from(m: &Machine) -> Settings {
-        Settings {
-            steps_per_mm: m.steps_per_mm,
-            max_rate: m.max_rate,
-            acceleration: m.acceleration,
-            junction_deviation: m.junction_deviation,
-            arc_tolerance: m.arc_tolerance,
-            blocks: m.planner_blocks,
-            idle_delay: IDLE_DELAY,
-        }
-    }
-}
 
 /// How fast a line is meant to go.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -389,4 +353,198 @@ fn profile(block: &Block, exit: f64) -> Profile {
         exit,
         acceleration: block.acceleration,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::units::{Mm, MmPerSec2, Seconds};
+    use proptest::prelude::*;
+
+    fn settings(acceleration: f64, blocks: usize) -> Settings {
+        Settings {
+            steps_per_mm: [1000.0; 3],
+            max_rate: [MmPerMin(6000.0); 3],
+            acceleration: [MmPerSec2(acceleration); 3],
+            junction_deviation: Mm(0.01),
+            arc_tolerance: Mm(0.002),
+            blocks,
+            idle_delay: Seconds(0.0),
+        }
+    }
+
+    fn feed(x: f64, y: f64, f: f64) -> Target {
+        Target {
+            to: Point::new(x, y, 0.0),
+            speed: Speed::Feed(MmPerMin(f)),
+            line: 1,
+        }
+    }
+
+    /// Pops when full, then empties.
+    fn run(planner: &mut Planner, targets: &[Target]) -> Vec<(Block, Profile)> {
+        let mut out = vec![];
+        for &t in targets {
+            while planner.push(t) == Pushed::Full {
+                out.extend(planner.pop());
+            }
+        }
+        out.extend(std::iter::from_fn(|| planner.pop()));
+        out
+    }
+
+    #[test]
+    fn corners_by_hand() {
+        // Square corner: s = sin 45 deg; along the diagonal the axes allow 500 / sin 45 deg.
+        let mut p = Planner::new(&settings(500.0, 15));
+        let done = run(&mut p, &[feed(50.0, 0.0, 3000.0), feed(50.0, 50.0, 3000.0)]);
+        let s = 0.5f64.sqrt();
+        let v_sq = 500.0 / s * 0.01 * s / (1.0 - s);
+        assert!((done[0].1.exit.powi(2) - v_sq).abs() < 1e-9);
+        assert_eq!(done[0].1.exit, done[1].1.entry);
+        // Back the way it came: a full stop. Straight on: none.
+        for (x, stops) in [(0.0, true), (99.0, false)] {
+            let mut p = Planner::new(&settings(500.0, 15));
+            let done = run(&mut p, &[feed(50.0, 0.0, 3000.0), feed(x, 0.0, 3000.0)]);
+            assert_eq!(done[0].1.exit, if stops { 0.0 } else { 50.0 });
+        }
+    }
+
+    #[test]
+    fn diagonals_use_what_both_axes_have() {
+        let mut p = Planner::new(&settings(500.0, 15));
+        let rapid = Target {
+            speed: Speed::Rapid,
+            ..feed(30.0, 30.0, 0.0)
+        };
+        let done = run(&mut p, &[rapid]);
+        assert!((done[0].0.nominal - 100.0 * 2f64.sqrt()).abs() < 1e-9);
+        assert!((done[0].0.acceleration - 500.0 * 2f64.sqrt()).abs() < 1e-9);
+    }
+
+    #[test]
+    fn short_segments_are_held_back_by_the_window() {
+        // v² <= 2 a N L: 15 blocks of 0.05 mm at 200 mm/s² cannot pass 17.3 mm/s, whatever the feed.
+        let mut p = Planner::new(&settings(200.0, 15));
+        let targets: Vec<Target> = (1..2000)
+            .map(|i| feed(f64::from(i) * 0.05, 0.0, 6000.0))
+            .collect();
+        let done = run(&mut p, &targets);
+        let top = done.iter().map(|(_, p)| p.cruise).fold(0.0, f64::max);
+        let bound = (2.0f64 * 200.0 * 15.0 * 0.05).sqrt();
+        assert!(top <= bound + 1e-9 && top > 0.95 * bound, "{top}");
+    }
+
+    #[test]
+    fn what_is_less_than_a_step_is_nothing() {
+        let mut p = Planner::new(&settings(200.0, 2));
+        assert_eq!(p.push(feed(0.0004, 0.0, 100.0)), Pushed::Nothing);
+        assert_eq!(p.push(feed(0.0006, 0.0, 100.0)), Pushed::Queued);
+        assert_eq!(p.position_steps(), [1, 0, 0]);
+        assert_eq!(p.push(feed(1.0, 0.0, 100.0)), Pushed::Queued);
+        assert_eq!(p.push(feed(2.0, 0.0, 100.0)), Pushed::Full);
+    }
+
+    #[test]
+    fn overrides_change_what_is_under_way() {
+        let mut p = Planner::new(&settings(500.0, 15));
+        p.push(feed(100.0, 0.0, 1200.0));
+        let (_, full) = p.front().unwrap();
+        assert_eq!(full.cruise, 20.0);
+        let t = 2.0;
+        p.advance(100.0 - full.distance_at(t), full.speed_at(t));
+        p.set_overrides(Overrides {
+            feed: 0.5,
+            rapid: 1.0,
+        });
+        let (block, half) = p.front().unwrap();
+        assert_eq!((half.entry, half.cruise, half.exit), (20.0, 10.0, 0.0));
+        assert!((block.remaining - (100.0 - full.distance_at(t))).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_hold_costs_one_ramp_down_and_one_up() {
+        let mut p = Planner::new(&settings(500.0, 15));
+        p.push(feed(20.0, 0.0, 600.0));
+        let (block, whole) = p.front().map(|(b, p)| (*b, p)).unwrap();
+        let (d, v) = (whole.distance_at(0.3), whole.speed_at(0.3));
+        let brake = Profile::brake(20.0 - d, v, block.acceleration);
+        p.advance(20.0 - d - brake.length, 0.0);
+        let rest = p.front().unwrap().1;
+        let all = 0.3 + brake.duration() + rest.duration();
+        // Each ramp takes v / a instead of half of that.
+        assert!((all - whole.duration() - 10.0 / 500.0).abs() < 1e-9);
+    }
+
+    fn walk() -> impl Strategy<Value = Vec<Target>> {
+        proptest::collection::vec((-9.0..9.0f64, -9.0..9.0f64, 60.0..6000.0f64, 0..4u8), 1..60)
+            .prop_map(|steps| {
+                let (mut x, mut y) = (0.0, 0.0);
+                steps
+                    .into_iter()
+                    .map(|(dx, dy, f, kind)| {
+                        let k = if kind == 0 { 0.02 } else { 1.0 };
+                        (x, y) = (x + k * dx, y + k * dy);
+                        let speed = match kind {
+                            1 => Speed::Rapid,
+                            _ => Speed::Feed(MmPerMin(f)),
+                        };
+                        Target {
+                            speed,
+                            ..feed(x, y, f)
+                        }
+                    })
+                    .collect()
+            })
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
+        /// Speed is continuous from block to block, never above what was asked, obeys every corner, starts and ends at rest, and
+        /// can be braked from within each block.
+        #[test]
+        fn plans_can_be_driven(targets in walk(), blocks in 1usize..20, a in 20.0..2000.0f64) {
+            let mut p = Planner::new(&settings(a, blocks));
+            let done = run(&mut p, &targets);
+            let mut speed = 0.0;
+            for (block, profile) in &done {
+                prop_assert!((profile.entry - speed).abs() < 1e-6, "{} {}", profile.entry, speed);
+                prop_assert!(profile.entry.powi(2) <= block.junction_sq + 1e-6);
+                prop_assert!(profile.cruise.max(profile.entry).max(profile.exit) <= block.nominal + 1e-9);
+                let reach = 2.0 * block.acceleration * block.length + 1e-6;
+                prop_assert!((profile.exit.powi(2) - profile.entry.powi(2)).abs() <= reach);
+                speed = profile.exit;
+            }
+            prop_assert!(speed < 1e-6);
+        }
+
+        /// Looking at a block under way does not change its course: told where it is, the planner plans the same rest.
+        #[test]
+        fn the_clock_may_look_at_any_time(targets in walk(), k in 0.05..0.95f64) {
+            let settings = settings(300.0, 100);
+            let mut p = Planner::new(&settings);
+            for &t in &targets {
+                p.push(t);
+            }
+            let plain: f64 = run(&mut p.clone(), &[]).iter().map(|(_, p)| p.duration()).sum();
+            let mut looked = 0.0;
+            while let Some((block, profile)) = p.front().map(|(b, p)| (*b, p)) {
+                let t = k * profile.duration();
+                p.advance(block.length - profile.distance_at(t), profile.speed_at(t));
+                looked += t + p.pop().unwrap().1.duration();
+            }
+            prop_assert!((plain - looked).abs() < 1e-6 * plain.max(1.0), "{} {}", plain, looked);
+        }
+
+        /// A longer window is never slower.
+        #[test]
+        fn looking_further_ahead_saves_time(targets in walk()) {
+            let time = |n| -> f64 {
+                run(&mut Planner::new(&settings(300.0, n)), &targets).iter().map(|(_, p)| p.duration()).sum()
+            };
+            let (short, long, all) = (time(2), time(15), time(100));
+            prop_assert!(long <= short + 1e-6 && all <= long + 1e-6);
+        }
+    }
 }

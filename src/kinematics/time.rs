@@ -5,7 +5,8 @@
 //! homing, and where a probe really touches (the whole way is counted).
 
 use super::chord::chords;
-use super::planner::{Planner, Pushed, Settings, Speed, Target};
+use super::planner::{Planner, Pushed, Speed, Target};
+use super::settings::Settings;
 use crate::gcode::{Event, Motion, MotionKind};
 use crate::units::Seconds;
 
@@ -209,7 +210,8 @@ mod tests {
         ]
     }
 
-    /// First to last step pulse of the unmodified firmware, s, for the three set-ups.
+    /// First to last step pulse of the unmodified firmware, s, for the three set-ups. Seen: -0.08 to 0 % where nothing stops the
+    /// machine; -0.08 to -0.45 % with 15 standstills, each some 3 to 5 ms longer there (reading on, starting again).
     #[test]
     fn agrees_with_the_firmware() {
         for (name, text, measured) in [
@@ -239,14 +241,50 @@ mod tests {
                 let times = program_time(&program.events, settings);
                 let total = times.total.0;
                 let off = total / measured - 1.0;
-                println!(
-                    "{name}: {total:.3} s, measured {measured:.3} s: {:+.2} %",
-                    off * 100.0
+                assert!(
+                    off.abs() < 0.005,
+                    "{name}: {total:.3} s, measured {measured:.3} s"
                 );
-                assert!(off.abs() < 0.015, "{name}");
                 let lines: f64 = times.per_line.iter().sum();
                 assert!((lines - total).abs() < 1e-6);
             }
         }
+    }
+
+    fn time(text: &str, settings: &Settings) -> Times {
+        program_time(&interpret(text, Dialect::Grbl).unwrap().events, settings)
+    }
+
+    #[test]
+    fn each_kind_of_time_by_hand() {
+        let s = settings([1000.0; 3], [6000.0; 3], [100.0; 3], 0.01);
+        // 10 mm at 10 mm/s with ramps of 0.1 s: 1.1 s. Dwell 0.11 s is 0.15 s. The stop before it is held for 25 ms.
+        let t = time("G1X10F600\nG4P0.11\nG0X110\nM30\n", &s);
+        assert!((t.cutting.0 - 1.1).abs() < 1e-9);
+        assert!((t.dwell.0 - 0.15).abs() < 1e-9);
+        // 100 mm at 100 mm/s: ramps of 1 s, which is just enough for full speed.
+        assert!((t.air.0 - 2.0).abs() < 1e-9);
+        assert!((t.idle.0 - 0.05).abs() < 1e-9);
+        assert!((t.total.0 - 3.3).abs() < 1e-9);
+        assert_eq!(t.per_line.len(), 4);
+        assert!((t.per_line[1] - 0.175).abs() < 1e-9);
+        // Standing still already: nothing to hold.
+        assert_eq!(time("M3S1\nM5\nG4P0\n", &s).total, Seconds(0.0));
+        assert_eq!(time("", &s).per_line.len(), 0);
+    }
+
+    #[test]
+    fn inverse_time_arcs_take_their_time() {
+        let s = settings([1000.0; 3], [6000.0; 3], [5000.0; 3], 0.01);
+        let t = time("G93G2X10Y0I5F6\n", &s);
+        assert!((t.total.0 - 10.0).abs() < 0.05, "{}", t.total.0);
+    }
+
+    #[test]
+    fn changing_coordinates_moves_nothing() {
+        let s = settings([1000.0; 3], [6000.0; 3], [100.0; 3], 0.01);
+        let plain = time("G1X10F600\nG4P0\nX20\n", &s);
+        let shifted = time("G1X10F600\nG92X500\nX510\n", &s);
+        assert!((plain.total.0 - shifted.total.0).abs() < 1e-9);
     }
 }
