@@ -54,10 +54,16 @@ mod tests {
     fn reads_balls_and_refuses_the_rest() {
         assert_eq!("ball:6".parse::<Tool>().unwrap().radius, 3.0);
         for bad in ["ball", "flat:6", "ball:", "ball:x", "6"] {
-            assert!(matches!(bad.parse::<Tool>(), Err(ToolError::Form(_))), "{bad}");
+            assert!(
+                matches!(bad.parse::<Tool>(), Err(ToolError::Form(_))),
+                "{bad}"
+            );
         }
         for bad in ["ball:0", "ball:-6", "ball:NaN", "ball:inf", "ball:1e9"] {
-            assert!(matches!(bad.parse::<Tool>(), Err(ToolError::Diameter(_))), "{bad}");
+            assert!(
+                matches!(bad.parse::<Tool>(), Err(ToolError::Diameter(_))),
+                "{bad}"
+            );
         }
     }
 }

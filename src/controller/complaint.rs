@@ -23,7 +23,7 @@ pub fn error_number(complaint: &Complaint) -> u16 {
         Complaint::AxisWordsWithoutMotion => 31,
         Complaint::ArcAxisMissing { .. } => 32,
         Complaint::ArcNowhere | Complaint::ArcRadiiDiffer { .. } | Complaint::ProbeNowhere => 33,
-        Complaint::ArcRadius { .. } => 34,
+        Complaint::ArcRadius { .. } | Complaint::ArcRadiusZero => 34,
         Complaint::ArcCenterMissing { .. } => 35,
         Complaint::Unused { .. } => 36,
         Complaint::ToolLengthAxis => 37,

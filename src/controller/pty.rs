@@ -58,8 +58,9 @@ pub struct Pty {
     thread: Option<JoinHandle<()>>,
 }
 
-/// Quiet on the cable that counts as "the host waits for the machine".
-const QUIET: Duration = Duration::from_millis(40);
+/// Quiet on the cable that counts as "the host waits for the machine". Long, because a host on a busy computer may pause in the
+/// middle of a job, and time that passes then would starve the planner; a sender that streams never gets here.
+const QUIET: Duration = Duration::from_millis(400);
 /// Machine time that passes per look at the cable while it is quiet, s: a hundred times real time at one look a millisecond.
 const QUIET_SLICE: f64 = 0.1;
 /// Machine time between looks at the cable while a line waits, s.

@@ -62,6 +62,8 @@ pub enum Ending {
     Done,
     /// The operator stopped it.
     Stopped,
+    /// The operator had it reset while it may have been moving.
+    Aborted,
     /// The controller refused a line.
     Refused {
         /// Line of the program, from 1; 0 for one of our own.
@@ -110,7 +112,7 @@ impl Ending {
     pub fn key(&self) -> String {
         match self {
             Ending::Done => "done".to_string(),
-            Ending::Stopped => "stopped".to_string(),
+            Ending::Stopped | Ending::Aborted => "stopped".to_string(),
             Ending::Refused { line, code, .. } => format!("error:{code} at line {line}"),
             Ending::Alarm { code, .. } => format!("error alarm:{code}"),
             Ending::NotReady(_) => "error not ready".to_string(),
@@ -128,7 +130,10 @@ impl fmt::Display for Ending {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Ending::Done => f.write_str("done"),
-            Ending::Stopped => f.write_str("stopped by the operator; the machine came to rest before the reset"),
+            Ending::Stopped => f.write_str("stopped by the operator"),
+            Ending::Aborted => f.write_str(
+                "reset by the operator in motion: steps may be lost. Home or set the zero again before starting over",
+            ),
             Ending::Refused { line, text, code } => {
                 match line {
                     0 => write!(f, "the controller refused `{text}` with error:{code}")?,

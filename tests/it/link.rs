@@ -374,7 +374,7 @@ fn the_second_ctrl_c_resets_in_motion_and_says_what_it_costs() {
     bench.ticks(1500);
     bench.command(Command::ResetNow);
     let outcome = bench.finish();
-    assert_eq!(outcome.ending, Ending::Stopped);
+    assert_eq!(outcome.ending, Ending::Aborted);
     assert!(!outcome.position_kept);
     at_rest_for_good(&mut bench, &outcome);
 }
