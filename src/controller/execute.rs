@@ -2,7 +2,7 @@
 
 use super::complaint::error_number;
 use super::intake::Line;
-use super::{Controller, Deaf, Mode, Suspend};
+use super::{Controller, Deaf, Mode, SAME_MOMENT, Suspend};
 use crate::gcode::{Event, Motion, MotionKind, interpret_line};
 use crate::geom::{Point, Vector};
 use crate::kinematics::{Speed, chords};
@@ -47,13 +47,13 @@ impl Controller {
     pub(super) fn work(&mut self) {
         loop {
             match self.deaf {
-                Deaf::Until(t) if self.now >= t - 1e-12 => {
+                Deaf::Until(t) if self.now >= t - SAME_MOMENT => {
                     self.deaf = Deaf::No;
                     if self.dead {
                         self.say("[MSG:Reset to continue]");
                     }
                 }
-                Deaf::ThenRestart(t) if self.now >= t - 1e-12 => self.finish_reset(),
+                Deaf::ThenRestart(t) if self.now >= t - SAME_MOMENT => self.finish_reset(),
                 Deaf::No => {}
                 _ => return,
             }
@@ -62,7 +62,7 @@ impl Controller {
             }
             self.serve_flags();
             if let Suspend::DoorResuming(t) = self.suspend
-                && self.now >= t - 1e-12
+                && self.now >= t - SAME_MOMENT
             {
                 self.suspend = Suspend::None;
                 self.motion.release();
@@ -265,7 +265,7 @@ impl Controller {
                     self.wait = Some(self.now + time);
                     return time <= 0.0;
                 }
-                Some(t) if self.now < t - 1e-12 => return false,
+                Some(t) if self.now < t - SAME_MOMENT => return false,
                 Some(_) => self.wait = None,
             },
             Step::Spindle { direction, rpm } => {

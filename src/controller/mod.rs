@@ -65,6 +65,8 @@ impl Default for Build {
     }
 }
 
+/// Moments closer than this are the same, s: far below anything the firmware can tell apart, far above f64 noise in hours of time.
+const SAME_MOMENT: f64 = 1e-9;
 /// Seconds the firmware is deaf after an alarm.
 const DEAF: f64 = 0.5;
 
@@ -261,9 +263,13 @@ impl Controller {
     pub fn advance(&mut self, seconds: f64) {
         let end = self.now + seconds.max(0.0);
         self.work();
+        // Every change uses up a slice or a wait, so the clock cannot stand still for long; if it ever did, time would win.
+        let mut standing = 0;
         while let Some(at) = self.next_change()
             && at <= end
+            && standing < 1000
         {
+            standing = if at > self.now { 0 } else { standing + 1 };
             self.pass(at - self.now);
             self.now = at;
             self.work();
@@ -295,15 +301,13 @@ impl Controller {
             Deaf::No => None,
             Deaf::Until(t) | Deaf::ThenRestart(t) => Some(t),
         };
+        // The deaf and the dead do not look at these.
+        let awake = self.deaf == Deaf::No && !self.dead;
         let door = match self.suspend {
-            Suspend::DoorResuming(t) => Some(t),
+            Suspend::DoorResuming(t) if awake => Some(t),
             _ => None,
         };
-        let wait = if self.suspend == Suspend::None {
-            self.wait
-        } else {
-            None
-        };
+        let wait = self.wait.filter(|_| awake && self.suspend == Suspend::None);
         [axes, deaf, door, wait]
             .into_iter()
             .flatten()
@@ -343,19 +347,18 @@ impl Controller {
 
     /// Time without decisions.
     fn pass(&mut self, dt: f64) {
-        if dt > 0.0 {
-            if self.suspend == Suspend::Hold
-                && let Some(t) = &mut self.wait
-            {
-                // A hold stops a dwell's clock.
-                *t += dt;
-            }
-            if self.motion.moving() {
-                self.first_motion.get_or_insert(self.now);
-                self.last_motion = self.now + dt;
-            }
-            self.motion.advance(dt);
+        if self.suspend != Suspend::None
+            && let Some(t) = &mut self.wait
+        {
+            // A hold stops a dwell's clock.
+            *t += dt;
         }
+        if self.motion.moving() {
+            self.first_motion.get_or_insert(self.now);
+            self.last_motion = self.now + dt;
+        }
+        // Also for no time at all: a slice may be that short.
+        self.motion.advance(dt);
     }
 
     fn say(&mut self, line: &str) {

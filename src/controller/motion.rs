@@ -192,7 +192,7 @@ impl Motion {
             return;
         };
         self.run += dt;
-        if self.run >= slice.duration - 1e-12 {
+        if self.run >= slice.duration - super::SAME_MOMENT {
             self.position = slice.to;
             self.slices.pop_front();
             self.run = 0.0;

@@ -220,12 +220,18 @@ impl Front {
         if self.controller.is_busy() {
             // Step by step until an answer comes out: with it the host has its turn.
             let end = self.controller.now() + BUSY_SLICE;
-            while self.controller.is_busy()
-                && !self.controller.has_output()
-                && let Some(at) = self.controller.next_change()
-                && at <= end
-            {
-                self.controller.advance(at - self.controller.now());
+            // (A slice of machine time holds a few hundred changes at most; the bound only keeps the cable looked at.)
+            for _ in 0..1000 {
+                match self.controller.next_change() {
+                    Some(at)
+                        if at <= end
+                            && self.controller.is_busy()
+                            && !self.controller.has_output() =>
+                    {
+                        self.controller.advance(at - self.controller.now());
+                    }
+                    _ => break,
+                }
             }
             if !self.controller.has_output() && self.controller.is_busy() {
                 self.controller

@@ -427,6 +427,40 @@ proptest! {
     }
 }
 
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// Whatever arrives, neither end panics, and a hand-turned clock never runs for ever.
+    #[test]
+    fn noise_breaks_neither_end(
+        words in proptest::collection::vec(proptest::sample::select(vec![
+            "G0X1\n", "G1X-3F600\n", "G2X5I2.5F500\n", "$J=X1F100\n", "$H\n", "$X\n", "$C\n", "$SLP\n", "$$\n", "$100=0\n", "$120=0\n",
+            "$12=0\n", "$1=255\n", "$22=1\n", "$20=1\n", "$RST=*\n", "$N0=G1\n", "$N1=M0\n", "$N9=X\n", "M0\n", "M30\n", "G4P0.2\n", "G38.2Z-1F50\n",
+            "!", "~", "?", "\u{18}", "\u{84}", "\u{85}", "\u{9e}", "\u{91}", "\u{97}", "(", "\r\n", "$J=F60\n", "G92X1\n", "G93G1X2F30\n", "$", "=", "G10L2P1X1\n",
+        ]), 0..40),
+        noise in proptest::collection::vec(any::<u8>(), 0..60), pause in 0.0f64..0.4,
+    ) {
+        let mut c = Controller::new(memory());
+        for word in &words {
+            let bytes: Vec<u8> = word.chars().map(|ch| ch as u32 as u8).collect();
+            c.feed(&bytes);
+            c.advance(pause);
+        }
+        c.feed(&noise);
+        c.advance(100.0);
+        prop_assert!(c.position().iter().all(|p| p.is_finite()));
+        let said = c.output();
+        let mut session = Session::new(Job::vet(SQUARE).unwrap(), SessionOptions::default());
+        for (i, piece) in said.chunks(7).chain(noise.chunks(3)).enumerate() {
+            let now = Duration::from_millis(i as u64 * 50);
+            session.receive(piece, now);
+            session.tick(now);
+            session.output();
+            prop_assert!(session.in_flight() <= 128);
+        }
+    }
+}
+
 fn send_args(program: &std::path::Path, json: &std::path::Path, speed: Pace) -> SendArgs {
     SendArgs {
         program: program.to_path_buf(),

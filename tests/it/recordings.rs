@@ -205,3 +205,81 @@ fn sequences_go_as_the_firmware_went() {
         failed.join("\n")
     );
 }
+
+/// A program streamed by character counting, without any delay on the host's side; the controller's own time from first motion to
+/// standstill.
+fn stream_through(c: &mut Controller, program: &str) -> f64 {
+    let mut waiting: std::collections::VecDeque<usize> = Default::default();
+    let mut said = Vec::new();
+    let mut answered = |c: &mut Controller, waiting: &mut std::collections::VecDeque<usize>| {
+        said.extend(c.output());
+        while let Some(end) = said.iter().position(|b| *b == b'\n') {
+            let line: Vec<u8> = said.drain(..=end).collect();
+            let line = String::from_utf8(line).unwrap();
+            assert!(
+                !line.starts_with("error") && !line.starts_with("ALARM"),
+                "{line}"
+            );
+            if line.trim() == "ok" {
+                waiting.pop_front();
+            }
+        }
+    };
+    for line in program.lines() {
+        while waiting.iter().sum::<usize>() + line.len() + 1 > 128 {
+            c.advance(0.002);
+            answered(c, &mut waiting);
+        }
+        c.feed(format!("{line}\n").as_bytes());
+        waiting.push_back(line.len() + 1);
+        answered(c, &mut waiting);
+    }
+    c.advance(600.0);
+    answered(c, &mut waiting);
+    assert!(waiting.is_empty());
+    assert_eq!(c.bytes_lost(), 0);
+    c.elapsed()
+}
+
+#[test]
+fn programs_take_the_time_the_firmware_took() {
+    let times: Value = serde_json::from_str(include_str!("../data/grbl/times.json")).unwrap();
+    let mut worst: f64 = 0.0;
+    for run in times["runs"].as_array().unwrap() {
+        let mut memory = Memory::default();
+        for (name, value) in times["settings"][run["settings"].as_str().unwrap()]
+            .as_object()
+            .unwrap()
+        {
+            memory.set(name[1..].parse().unwrap(), value.as_f64().unwrap());
+        }
+        let name = run["program"].as_str().unwrap();
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/gcode/ok");
+        let program = std::fs::read_to_string(format!("{folder}/{name}")).unwrap();
+        let mut c = Controller::new(memory);
+        let got = stream_through(&mut c, &program);
+        let want = run["motion_s"].as_f64().unwrap();
+        let off = got / want - 1.0;
+        worst = worst.max(off.abs());
+        eprintln!(
+            "{name} {}: {got:.3} s, firmware {want:.3} s, {:+.2} %",
+            run["settings"],
+            100.0 * off
+        );
+        assert!(
+            off.abs() < 0.01,
+            "{name} {}: {got} s, the firmware took {want} s",
+            run["settings"]
+        );
+        c.output();
+        c.feed(b"?");
+        let said = String::from_utf8(c.output()).unwrap();
+        let place = format!("MPos:{}|", run["end_mpos"].as_str().unwrap());
+        assert!(
+            said.contains(&place),
+            "{name} {}: ends at {said} instead of {place}",
+            run["settings"]
+        );
+    }
+    eprintln!("worst {:.2} %", 100.0 * worst);
+}
