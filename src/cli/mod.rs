@@ -5,13 +5,16 @@
 
 pub mod args;
 pub mod check;
+pub mod controller;
 pub mod features;
 pub mod machines;
 pub mod mill;
 pub mod output;
 mod pictures;
+pub mod ports;
 pub mod posts;
 mod progress;
+pub mod send;
 mod show;
 
 use clap::{Parser, Subcommand};
@@ -36,6 +39,12 @@ enum Command {
     Features(Box<features::FeaturesArgs>),
     /// Proves a program: limits, time and, with a part, cusps, gouges and rapids into stock
     Check(Box<check::CheckArgs>),
+    /// Streams a program to a GRBL controller, or to the simulated one
+    Send(Box<send::SendArgs>),
+    /// Serves a simulated GRBL controller on a pseudo-terminal
+    Controller(Box<controller::ControllerArgs>),
+    /// The serial ports of this computer
+    Ports,
     /// The machines that come with the program
     Machines,
     /// The G-code dialects that come with the program
@@ -73,6 +82,9 @@ pub fn main() -> ExitCode {
         Command::Mill(a) => mill::run(&a),
         Command::Features(a) => features::run(&a),
         Command::Check(a) => check::run(&a),
+        Command::Send(a) => Ok(ExitCode::from(send::run(&a, &mut std::io::stdout()))),
+        Command::Controller(a) => Ok(ExitCode::from(controller::run(&a, &mut std::io::stdout()))),
+        Command::Ports => Ok(ExitCode::from(ports::run(&mut std::io::stdout()))),
         Command::Machines => output::to_stdout(|w| machines::run(w)),
         Command::Posts => output::to_stdout(|w| posts::run(w)),
     };

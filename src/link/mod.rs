@@ -1,1 +1,18 @@
-//! To come.
+//! The host side of the cable: a vetted job, the byte-counting streamer, the session around it, and the port.
+//!
+//! Crosses the border: program text in ([`job`]), bytes to and from the controller in [`crate::wire`]'s words, [`Progress`] and
+//! one [`Outcome`] out. Positions are mm in the active work system. [`stream`] and [`session`] are values fed with bytes and
+//! time: no I/O, no clock, no printing; [`port`] is the only file that touches a device. It must never know the simulated
+//! controller: simulated and real hardware differ by nothing but the port.
+
+pub mod job;
+pub mod outcome;
+pub mod port;
+pub mod session;
+pub mod stream;
+
+pub use job::{Job, JobError, JobLine, Refusal};
+pub use outcome::{Command, Ending, Outcome, Progress};
+pub use port::{Port, PortError, SerialPort};
+pub use session::{Session, SessionOptions, drive};
+pub use stream::{Receipt, Stream, StreamError};

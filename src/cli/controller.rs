@@ -1,0 +1,54 @@
+//! `morsemill controller`: the simulated controller behind a pseudo-terminal, for any sender to open.
+
+use super::send::pace;
+use crate::controller::{Controller, Pace, Pty};
+use crate::machine::Machine;
+use std::io::Write;
+use std::sync::mpsc;
+
+/// Arguments of `morsemill controller`.
+#[derive(Clone, Debug, clap::Args)]
+pub struct ControllerArgs {
+    /// Machine: a built-in name or a TOML file
+    #[arg(long, value_name = "NAME|FILE", default_value = crate::machine::DEFAULT_MACHINE)]
+    pub machine: String,
+    /// Serve on a pseudo-terminal (the only way so far)
+    #[arg(long)]
+    pub pty: bool,
+    /// Times real time, or `max` for as fast as the sender keeps up
+    #[arg(long, value_name = "N|max", default_value = "1", value_parser = pace)]
+    pub speed: Pace,
+}
+
+/// Serves until Ctrl-C; the path to open is the only line on `out`. Returns the exit code.
+pub fn run(args: &ControllerArgs, out: &mut dyn Write) -> u8 {
+    match serve(args, out) {
+        Ok(()) => 0,
+        Err(message) => {
+            eprintln!("error: {message}");
+            2
+        }
+    }
+}
+
+fn serve(args: &ControllerArgs, out: &mut dyn Write) -> Result<(), String> {
+    if !args.pty {
+        return Err("say how to reach it: --pty".to_string());
+    }
+    let machine = Machine::load(&args.machine).map_err(|e| e.to_string())?;
+    let (sender, receiver) = mpsc::channel();
+    ctrlc::set_handler(move || _ = sender.send(()))
+        .map_err(|e| format!("Ctrl-C cannot be caught: {e}"))?;
+    let pty =
+        Pty::start(Controller::of_machine(&machine), args.speed).map_err(|e| e.to_string())?;
+    writeln!(out, "{}", pty.path())
+        .and_then(|()| out.flush())
+        .map_err(|e| e.to_string())?;
+    eprintln!(
+        "GRBL 1.1h, {}: open that path as a serial device; Ctrl-C ends",
+        machine.title
+    );
+    // The handler's sender lives as long as the process, so this returns only on Ctrl-C.
+    let _ = receiver.recv();
+    Ok(())
+}

@@ -1,0 +1,247 @@
+//! `$` commands.
+
+use super::complaint::error_number;
+use super::execute::Step;
+use super::{Controller, Mode};
+use crate::gcode::{State as Parser, interpret_jog, interpret_line};
+use crate::geom::Point;
+use crate::kinematics::Speed;
+
+impl Controller {
+    /// Carries out a line that begins with `$`, and answers it (now, or behind the steps it queues).
+    pub(super) fn dollar(&mut self, line: &str) {
+        match self.dollar_result(line) {
+            Ok(()) => self.steps.push_back(Step::Ok),
+            Err(number) => self.error(number),
+        }
+    }
+
+    fn dollar_result(&mut self, line: &str) -> Result<(), u16> {
+        let rest = line.get(1..).unwrap_or_default();
+        let idle = self.mode == Mode::Normal && !self.motion.going();
+        let idle_or_alarm = idle || self.mode == Mode::Alarm;
+        match rest.bytes().next() {
+            None => {
+                self.say("[HLP:$$ $# $G $I $N $x=val $Nx=line $J=line $SLP $C $X $H ~ ! ? ctrl-x]");
+                Ok(())
+            }
+            Some(b'J') => {
+                if !idle && self.mode != Mode::Jog {
+                    return Err(8);
+                }
+                let text = rest.strip_prefix("J=").ok_or(3u16)?;
+                self.jog(text)
+            }
+            Some(b'$' | b'G' | b'C' | b'X') => {
+                if rest.len() != 1 {
+                    return Err(3);
+                }
+                self.one_letter(rest, idle)
+            }
+            _ if !idle_or_alarm => Err(8),
+            Some(b'#') if rest == "#" => {
+                self.report_offsets();
+                Ok(())
+            }
+            Some(b'H') => self.home(rest),
+            Some(b'S') if rest == "SLP" => {
+                self.mode = Mode::Sleep;
+                self.spindle = 0;
+                self.steps.push_back(Step::Ok);
+                self.steps.push_back(Step::Say("[MSG:Sleeping]"));
+                // The answer is queued here, so the caller's would be one too many.
+                self.steps.push_back(Step::NoMoreOk);
+                Ok(())
+            }
+            Some(b'I') => {
+                if rest == "I" {
+                    self.report_build();
+                } else {
+                    self.memory.build_text = rest.strip_prefix("I=").ok_or(3u16)?.to_string();
+                }
+                Ok(())
+            }
+            Some(b'N') => self.startup_line(rest, idle),
+            Some(b'R') => self.restore(rest),
+            Some(b'#' | b'S') => Err(3),
+            _ => self.store_setting(rest),
+        }
+    }
+
+    fn one_letter(&mut self, letter: &str, idle: bool) -> Result<(), u16> {
+        match letter {
+            "$" => {
+                if self.motion.going() && self.mode == Mode::Normal {
+                    return Err(8);
+                }
+                for line in self.memory.lines() {
+                    self.say(&line);
+                }
+            }
+            "G" => self.report_modes(),
+            "C" if self.mode == Mode::Check => {
+                self.say("[MSG:Disabled]");
+                self.steps.push_back(Step::Ok);
+                self.steps.push_back(Step::LeaveCheck);
+            }
+            "C" if idle => {
+                self.mode = Mode::Check;
+                self.say("[MSG:Enabled]");
+            }
+            "C" => return Err(8),
+            _ => {
+                if self.mode == Mode::Alarm {
+                    self.say("[MSG:Caution: Unlocked]");
+                    self.mode = Mode::Normal;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn jog(&mut self, text: &str) -> Result<(), u16> {
+        let mut ahead: Parser = self.parser.clone();
+        let motion = interpret_jog(&mut ahead, text, 0).map_err(|e| error_number(&e.complaint))?;
+        let to = ahead.machine_position();
+        if self.memory.is_on(20) && self.outside(&to) {
+            return Err(15);
+        }
+        self.parser = ahead;
+        self.mode = Mode::Jog;
+        self.steps.push_back(Step::Block {
+            to,
+            speed: Speed::Fixed(motion.feed),
+        });
+        Ok(())
+    }
+
+    fn home(&mut self, rest: &str) -> Result<(), u16> {
+        if !self.memory.is_on(22) {
+            return Err(5);
+        }
+        if rest != "H" {
+            return Err(3);
+        }
+        self.mode = Mode::Home;
+        // Seek of Z, then of X and Y together, over all the travel: the time is that of the way, the way itself is not drawn.
+        let seek = self.memory.get(25).max(1.0) / 60.0;
+        let travel = self.memory.axes(130);
+        let time = (travel[2] + travel[0].max(travel[1])) / seek;
+        self.steps.push_back(Step::Wait(time));
+        self.steps.push_back(Step::Homed);
+        Ok(())
+    }
+
+    /// Where the axes stand after homing.
+    pub(super) fn homed_position(&self) -> Point {
+        let (mask, off, travel) = (
+            self.memory.get(23) as u32,
+            self.memory.get(27),
+            self.memory.axes(130),
+        );
+        Point::from([0, 1, 2].map(|i| {
+            if mask >> i & 1 == 1 {
+                off - travel[i]
+            } else {
+                -off
+            }
+        }))
+    }
+
+    fn startup_line(&mut self, rest: &str, idle: bool) -> Result<(), u16> {
+        if rest == "N" {
+            let lines = self.memory.startup.clone();
+            for (i, line) in lines.iter().enumerate() {
+                self.say(&format!("$N{i}={line}"));
+            }
+            return Ok(());
+        }
+        if !idle {
+            return Err(8);
+        }
+        let (number, text) = rest.get(1..).and_then(|r| r.split_once('=')).ok_or(3u16)?;
+        let slot: usize = number.parse().map_err(|_| 2u16)?;
+        // It is carried out first, and kept only if it went well.
+        let mut events = Vec::new();
+        interpret_line(&mut self.parser, text, 0, &mut events)
+            .map_err(|e| error_number(&e.complaint))?;
+        self.queue_events(&events);
+        if let Some(place) = self.memory.startup.get_mut(slot) {
+            *place = text.to_string();
+        }
+        Ok(())
+    }
+
+    pub(super) fn queue_startup_lines(&mut self) {
+        for text in self.memory.startup.clone() {
+            if text.is_empty() {
+                continue;
+            }
+            let mut events = Vec::new();
+            match interpret_line(&mut self.parser, &text, 0, &mut events) {
+                Ok(()) => {
+                    self.queue_events(&events);
+                    self.say(&format!(">{text}:ok"));
+                }
+                Err(e) => self.say(&format!(">{text}:error:{}", error_number(&e.complaint))),
+            }
+        }
+        self.refresh_offset();
+    }
+
+    fn restore(&mut self, rest: &str) -> Result<(), u16> {
+        let what = rest.strip_prefix("RST=").ok_or(3u16)?;
+        if !matches!(what, "$" | "#" | "*") {
+            return Err(3);
+        }
+        if what != "#" {
+            self.memory.restore();
+            self.motion
+                .set_settings(&self.memory.planner_settings(self.build.blocks));
+        }
+        if what != "$" {
+            self.parser.g5x = Default::default();
+            (self.parser.g28, self.parser.g30) = (Point::origin(), Point::origin());
+        }
+        if what == "*" {
+            self.memory.startup = Default::default();
+            self.memory.build_text.clear();
+        }
+        self.say("[MSG:Restoring defaults]");
+        self.steps.push_back(Step::Ok);
+        self.steps.push_back(Step::LeaveCheck);
+        Ok(())
+    }
+
+    fn store_setting(&mut self, rest: &str) -> Result<(), u16> {
+        let (number, after) = number(rest).ok_or(2u16)?;
+        let value = after.strip_prefix('=').ok_or(3u16)?;
+        let (value, after) = self::number(value).ok_or(2u16)?;
+        if !after.is_empty() {
+            return Err(3);
+        }
+        self.memory.store(number, value)?;
+        self.motion
+            .set_settings(&self.memory.planner_settings(self.build.blocks));
+        self.refresh_offset();
+        self.wco_in = 0;
+        Ok(())
+    }
+}
+
+/// A number as the firmware reads it: sign, digits, one dot. And what follows it.
+fn number(text: &str) -> Option<(f64, &str)> {
+    let sign = usize::from(text.starts_with(['+', '-']));
+    let mut dots = 0;
+    let end = text
+        .char_indices()
+        .skip(sign)
+        .find(|(_, c)| {
+            dots += usize::from(*c == '.');
+            !(c.is_ascii_digit() || (*c == '.' && dots == 1))
+        })
+        .map_or(text.len(), |(i, _)| i);
+    let (figure, rest) = text.split_at_checked(end)?;
+    figure.bytes().any(|b| b.is_ascii_digit()).then_some(())?;
+    Some((figure.parse().ok()?, rest))
+}

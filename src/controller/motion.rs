@@ -1,0 +1,419 @@
+//! The axes: the look-ahead window of `kinematics`, speed profiles cut into 10 ms slices, and where the tool is at each moment.
+//!
+//! ```text
+//!  push -> [ block block ... block ]  --prepare-->  [ slice slice slice slice slice ] --run--> position
+//!            look-ahead, 15 usable                     up to 50 ms ahead of the axes
+//! ```
+//! A block leaves the window when its last slice is *prepared*, not when it is run: that is when the firmware lets the next line
+//! in. A hold therefore begins only behind the slices already prepared. Machine coordinates, mm, mm/s, s.
+
+use crate::geom::Point;
+use crate::kinematics::{Overrides, Planner, Profile, Pushed, Settings, Speed, Target};
+use std::collections::VecDeque;
+
+/// Longest slice, s.
+const SLICE: f64 = 0.010;
+/// Slices the firmware holds, the running one included.
+const SLICES: usize = 5;
+/// What is left of a block when it counts as done, mm: far below any step.
+const NOTHING: f64 = 1e-7;
+
+#[derive(Clone, Copy, Debug)]
+struct Slice {
+    duration: f64,
+    from: Point,
+    to: Point,
+}
+
+/// The axes and their queue.
+#[derive(Clone, Debug)]
+pub struct Motion {
+    planner: Planner,
+    slices: VecDeque<Slice>,
+    /// Seconds of the first slice already run.
+    run: f64,
+    /// Speed at the end of what is prepared.
+    speed: f64,
+    /// Place at the end of what is prepared.
+    head: Point,
+    /// Where the axes are.
+    position: Point,
+    /// Slices are prepared and run.
+    going: bool,
+    /// The motors are being held at the end of a motion, and nothing else happens.
+    resting: bool,
+    /// Slow down to a stand, wherever that is.
+    holding: bool,
+}
+
+impl Motion {
+    /// Axes at rest at `position`.
+    pub fn new(settings: &Settings, position: Point) -> Motion {
+        let mut planner = Planner::new(settings);
+        planner.set_position(&position);
+        Motion {
+            planner,
+            slices: VecDeque::new(),
+            run: 0.0,
+            speed: 0.0,
+            head: position,
+            position,
+            going: false,
+            resting: false,
+            holding: false,
+        }
+    }
+
+    /// Where the axes are now.
+    pub fn position(&self) -> Point {
+        self.position
+    }
+
+    /// The same in whole steps, as the firmware counts and reports it, mm.
+    pub fn position_in_steps(&self) -> Point {
+        self.planner
+            .point_of_steps(&self.planner.steps_of_point(&self.position))
+    }
+
+    /// Path speed at the end of what is prepared, mm/s: what the firmware reports as speed.
+    pub fn speed(&self) -> f64 {
+        if self.going { self.speed } else { 0.0 }
+    }
+
+    /// Blocks that can still be pushed.
+    pub fn free(&self) -> usize {
+        self.planner
+            .settings()
+            .blocks
+            .max(1)
+            .saturating_sub(self.planner.len())
+    }
+
+    /// Nothing is queued and nothing moves.
+    pub fn is_empty(&self) -> bool {
+        self.planner.is_empty() && self.slices.is_empty()
+    }
+
+    /// A cycle is in progress: axes move, are about to, or have just stopped.
+    pub fn going(&self) -> bool {
+        self.going
+    }
+
+    /// The axes move now.
+    pub fn moving(&self) -> bool {
+        self.going && self.slices.front().is_some_and(|s| s.from != s.to)
+    }
+
+    /// A hold is in force.
+    pub fn is_holding(&self) -> bool {
+        self.holding
+    }
+
+    /// Adds a straight block to `to`, machine coordinates. A block without steps to make vanishes.
+    pub fn push(&mut self, to: Point, speed: Speed) -> Pushed {
+        // What is under way is planned with the speed it has now.
+        if let Some((block, _)) = self.planner.front() {
+            let remaining = block.remaining;
+            self.planner.advance(remaining, self.speed);
+        }
+        self.planner.push(Target { to, speed, line: 0 })
+    }
+
+    /// Starts (or goes on with) what is queued.
+    pub fn start(&mut self) {
+        if !self.is_empty() {
+            self.going = true;
+            self.prepare();
+        }
+    }
+
+    /// Slows down to a stand as soon as the prepared slices have run.
+    pub fn hold(&mut self) {
+        self.holding = true;
+    }
+
+    /// Ends a hold that has come to rest; the rest of the queue goes on from standstill.
+    pub fn release(&mut self) {
+        self.holding = false;
+        self.speed = 0.0;
+        if let Some((block, _)) = self.planner.front() {
+            let remaining = block.remaining;
+            self.planner.advance(remaining, 0.0);
+        }
+        self.start();
+    }
+
+    /// Throws the queue away where the axes are. At rest this costs nothing; in motion the real machine loses steps.
+    pub fn abort(&mut self) {
+        let overrides = self.planner.overrides();
+        *self = Motion::new(&self.planner.settings().clone(), self.position);
+        self.planner.set_overrides(overrides);
+    }
+
+    /// New machine figures. Only while empty; otherwise they are ignored.
+    pub fn set_settings(&mut self, settings: &Settings) {
+        if self.is_empty() {
+            let overrides = self.planner.overrides();
+            *self = Motion::new(settings, self.position);
+            self.planner.set_overrides(overrides);
+        }
+    }
+
+    /// Takes new overrides into the plan at once.
+    pub fn set_overrides(&mut self, overrides: Overrides) {
+        self.planner.set_overrides(overrides);
+        if let Some((block, _)) = self.planner.front() {
+            let remaining = block.remaining;
+            self.planner.advance(remaining, self.speed);
+        }
+    }
+
+    /// Says where the axes are (homing). Only while empty.
+    pub fn set_position(&mut self, position: Point) {
+        if self.is_empty() {
+            (self.position, self.head) = (position, position);
+            self.planner.set_position(&position);
+        }
+    }
+
+    /// Seconds until a slice ends, and with it something may change. `None` at rest.
+    pub fn next_change(&self) -> Option<f64> {
+        if !self.going {
+            return None;
+        }
+        self.slices
+            .front()
+            .map(|s| (s.duration - self.run).max(0.0))
+    }
+
+    /// Lets the axes run for `dt`, which must not exceed [`Motion::next_change`].
+    pub fn advance(&mut self, dt: f64) {
+        let Some(slice) = self.slices.front().copied().filter(|_| self.going) else {
+            return;
+        };
+        self.run += dt;
+        if self.run >= slice.duration - super::SAME_MOMENT {
+            self.position = slice.to;
+            self.slices.pop_front();
+            self.run = 0.0;
+            self.prepare();
+        } else {
+            self.position = slice.from + (slice.to - slice.from) * (self.run / slice.duration);
+        }
+    }
+
+    fn prepare(&mut self) {
+        if !self.going {
+            return;
+        }
+        while self.slices.len() < SLICES && self.prepare_slice() {
+            self.resting = false;
+        }
+        if self.slices.is_empty() {
+            self.speed = 0.0;
+            let delay = self.planner.settings().idle_delay.0;
+            if !self.resting && delay > 0.0 {
+                self.resting = true;
+                self.slices.push_back(Slice {
+                    duration: delay,
+                    from: self.position,
+                    to: self.position,
+                });
+            } else {
+                self.resting = false;
+                self.going = false;
+            }
+        }
+    }
+
+    /// Cuts the next slice off the first block. False when there is none, or a hold has come to rest.
+    fn prepare_slice(&mut self) -> bool {
+        if self.holding && self.speed <= 0.0 {
+            return false;
+        }
+        let Some((block, planned)) = self.planner.front() else {
+            return false;
+        };
+        let profile = if self.holding {
+            Profile::brake(block.remaining, self.speed, block.acceleration)
+        } else {
+            planned
+        };
+        let from = self.head;
+        let time = profile.duration().min(SLICE);
+        let at_end = time >= profile.duration();
+        let remaining = block.remaining
+            - if at_end {
+                profile.length
+            } else {
+                profile.distance_at(time)
+            };
+        self.speed = if at_end {
+            profile.exit
+        } else {
+            profile.speed_at(time)
+        };
+        let end = self.planner.point_of_steps(&block.to_steps);
+        if remaining <= NOTHING {
+            self.head = end;
+            self.planner.pop();
+            match self.planner.front() {
+                Some((next, _)) => {
+                    let length = next.remaining;
+                    self.planner.advance(length, self.speed);
+                }
+                None => self.speed = 0.0,
+            }
+        } else {
+            self.head = end - block.direction * remaining;
+            self.planner.advance(remaining, self.speed);
+        }
+        self.slices.push_back(Slice {
+            duration: time,
+            from,
+            to: self.head,
+        });
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::units::{Mm, MmPerMin, MmPerSec2, Seconds};
+    use proptest::prelude::*;
+
+    fn axes(rate: f64, acceleration: f64) -> Motion {
+        let settings = Settings {
+            steps_per_mm: [250.0; 3],
+            max_rate: [MmPerMin(rate); 3],
+            acceleration: [MmPerSec2(acceleration); 3],
+            junction_deviation: Mm(0.01),
+            arc_tolerance: Mm(0.002),
+            blocks: 15,
+            idle_delay: Seconds(0.0),
+        };
+        Motion::new(&settings, Point::origin())
+    }
+
+    fn feed(mm_per_s: f64) -> Speed {
+        Speed::Feed(MmPerMin(mm_per_s * 60.0))
+    }
+
+    fn run(motion: &mut Motion, time: f64) {
+        let mut left = time;
+        while left > 0.0
+            && let Some(dt) = motion.next_change()
+        {
+            let dt = dt.min(left);
+            motion.advance(dt);
+            left -= dt;
+        }
+    }
+
+    fn finish(motion: &mut Motion) -> f64 {
+        let mut time = 0.0;
+        while let Some(dt) = motion.next_change() {
+            motion.advance(dt);
+            time += dt;
+        }
+        time
+    }
+
+    #[test]
+    fn one_block_takes_the_time_of_its_trapezoid() {
+        // 20 mm at 10 mm/s, 500 mm/s²: 20/10 + 10/500.
+        let mut m = axes(3000.0, 500.0);
+        m.push(Point::new(20.0, 0.0, 0.0), feed(10.0));
+        m.start();
+        assert!((finish(&mut m) - 2.02).abs() < 1e-9);
+        assert_eq!(m.position(), Point::new(20.0, 0.0, 0.0));
+    }
+
+    #[test]
+    fn a_triangle_never_reaches_its_speed() {
+        // 1 mm at 500 mm/s²: 2 sqrt(d / a).
+        let mut m = axes(60_000.0, 500.0);
+        m.push(Point::new(1.0, 0.0, 0.0), Speed::Rapid);
+        m.start();
+        assert!((finish(&mut m) - 2.0 * (1.0f64 / 500.0).sqrt()).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_hold_begins_behind_the_prepared_slices_and_loses_nothing() {
+        // At 10 mm/s the fifth slice ahead of 316.8 ms ends at 360 ms: 3.5 mm, and braking takes 0.1 mm more.
+        let mut m = axes(3000.0, 500.0);
+        m.push(Point::new(20.0, 0.0, 0.0), feed(10.0));
+        m.start();
+        run(&mut m, 0.3168);
+        m.hold();
+        finish(&mut m);
+        assert!((m.position()[0] - 3.6).abs() < 1e-6, "{:?}", m.position());
+        assert!(!m.going());
+        m.release();
+        finish(&mut m);
+        assert_eq!(m.position(), Point::new(20.0, 0.0, 0.0));
+    }
+
+    #[test]
+    fn a_lowered_override_slows_the_running_block() {
+        let mut m = axes(3000.0, 500.0);
+        m.push(Point::new(20.0, 0.0, 0.0), feed(10.0));
+        m.start();
+        run(&mut m, 0.5);
+        m.set_overrides(Overrides {
+            feed: 0.5,
+            rapid: 1.0,
+        });
+        run(&mut m, 0.2);
+        assert!((m.speed() - 5.0).abs() < 1e-9);
+        finish(&mut m);
+        assert_eq!(m.position(), Point::new(20.0, 0.0, 0.0));
+    }
+
+    proptest! {
+        /// Whatever is queued, held and released: every axis keeps its speed limit, and the end is reached.
+        #[test]
+        fn no_axis_exceeds_its_rate(
+            points in proptest::collection::vec(proptest::array::uniform3(-400i32..400), 1..40), speed in 1.0f64..120.0,
+            hold_at in 0.0f64..3.0,
+        ) {
+            let mut m = axes(3000.0, 400.0);
+            let mut queue: Vec<Point> = points.iter().map(|p| Point::from(p.map(|c| f64::from(c) / 50.0))).collect();
+            queue.reverse();
+            let (mut time, mut held, mut end) = (0.0, false, Point::origin());
+            loop {
+                while m.free() > 0
+                    && let Some(p) = queue.pop()
+                {
+                    end = p;
+                    m.push(p, feed(speed));
+                }
+                if !held {
+                    m.start();
+                }
+                let Some(dt) = m.next_change() else {
+                    if held {
+                        held = false;
+                        m.release();
+                        continue;
+                    }
+                    break;
+                };
+                let before = m.position();
+                m.advance(dt);
+                for (a, b) in m.position().iter().zip(before.iter()) {
+                    prop_assert!((a - b).abs() <= 50.0 * dt + 1e-6, "{} mm in {} s", (a - b).abs(), dt);
+                }
+                if time <= hold_at && time + dt > hold_at {
+                    m.hold();
+                    held = true;
+                }
+                time += dt;
+                prop_assert!(time < 2000.0);
+            }
+            prop_assert!((m.position() - end).norm() < 0.004, "{:?} {:?}", m.position(), end);
+        }
+    }
+}

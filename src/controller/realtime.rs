@@ -1,0 +1,169 @@
+//! Real-time commands: flags, not counters, looked at between steps.
+
+use super::{Controller, Deaf, Mode, NO_OVERRIDES, Suspend};
+use crate::kinematics::Overrides;
+use crate::wire::Realtime;
+
+/// What has arrived since the last look. Repeats within one look are merged, as in the firmware.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Flags(Vec<Realtime>);
+
+impl Flags {
+    pub fn set(&mut self, command: Realtime) {
+        if command != Realtime::Nothing && !self.0.contains(&command) {
+            self.0.push(command);
+        }
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// How many bytes arrive at 115200 baud while these are served (measured on the real firmware; a report takes its printing).
+    pub fn bytes_to_serve(&self) -> f64 {
+        if self.0.contains(&Realtime::Status) {
+            57.0
+        } else {
+            2.8
+        }
+    }
+}
+
+impl Controller {
+    /// Serves what has arrived, unless the firmware is deaf.
+    pub(super) fn serve_flags(&mut self) {
+        if self.deaf != Deaf::No || self.dead || self.flags.0.is_empty() {
+            return;
+        }
+        let flags = std::mem::take(&mut self.flags.0);
+        if flags.contains(&Realtime::Status) && self.mode != Mode::Home {
+            self.report_status();
+        }
+        for flag in &flags {
+            match flag {
+                Realtime::Hold => self.hold(),
+                Realtime::Door => self.door(),
+                // Hold and resume in one look: the hold wins.
+                Realtime::Resume if !flags.contains(&Realtime::Hold) => self.resume(),
+                Realtime::JogCancel if self.mode == Mode::Jog => self.cancel_jog(),
+                Realtime::SpindleStop
+                    if self.suspend == Suspend::Hold
+                        && !self.motion.going()
+                        && self.spindle != 0 =>
+                {
+                    if self.spindle_stopped {
+                        self.say("[MSG:Restoring spindle]");
+                    }
+                    self.spindle_stopped = !self.spindle_stopped;
+                    self.overrides_in = 0;
+                }
+                Realtime::Flood
+                    if !matches!(self.mode, Mode::Alarm | Mode::Check | Mode::Sleep) =>
+                {
+                    self.parser.flood = !self.parser.flood;
+                    self.overrides_in = 0;
+                }
+                _ => {}
+            }
+        }
+        self.serve_overrides(&flags);
+    }
+
+    fn serve_overrides(&mut self, flags: &[Realtime]) {
+        let before = self.percent;
+        let mut touched = false;
+        for flag in flags {
+            let p = &mut self.percent;
+            let shift = |value: u16, by: i16| value.saturating_add_signed(by).clamp(10, 200);
+            match flag {
+                Realtime::FeedNormal => p.feed = 100,
+                Realtime::FeedPlus10 => p.feed = shift(p.feed, 10),
+                Realtime::FeedMinus10 => p.feed = shift(p.feed, -10),
+                Realtime::FeedPlus1 => p.feed = shift(p.feed, 1),
+                Realtime::FeedMinus1 => p.feed = shift(p.feed, -1),
+                Realtime::RapidFull => p.rapid = 100,
+                Realtime::RapidHalf => p.rapid = 50,
+                Realtime::RapidQuarter => p.rapid = 25,
+                Realtime::SpindleNormal => p.spindle = 100,
+                Realtime::SpindlePlus10 => p.spindle = shift(p.spindle, 10),
+                Realtime::SpindleMinus10 => p.spindle = shift(p.spindle, -10),
+                Realtime::SpindlePlus1 => p.spindle = shift(p.spindle, 1),
+                Realtime::SpindleMinus1 => p.spindle = shift(p.spindle, -1),
+                _ => continue,
+            }
+            touched = true;
+        }
+        if touched && before != self.percent {
+            self.apply_overrides();
+        }
+    }
+
+    /// Brings the axes in line with the override percentages.
+    pub(super) fn apply_overrides(&mut self) {
+        self.overrides_in = 0;
+        self.motion.set_overrides(Overrides {
+            feed: f64::from(self.percent.feed) / 100.0,
+            rapid: f64::from(self.percent.rapid) / 100.0,
+        });
+    }
+
+    /// All overrides back to 100 % (after M2, M30).
+    pub(super) fn clear_overrides(&mut self) {
+        if self.percent != NO_OVERRIDES {
+            self.percent = NO_OVERRIDES;
+            self.apply_overrides();
+        }
+    }
+
+    fn hold(&mut self) {
+        match self.mode {
+            Mode::Jog => self.cancel_jog(),
+            Mode::Normal if self.suspend == Suspend::None => {
+                self.suspend = Suspend::Hold;
+                self.motion.hold();
+            }
+            _ => {}
+        }
+    }
+
+    fn door(&mut self) {
+        if matches!(
+            self.mode,
+            Mode::Alarm | Mode::Check | Mode::Sleep | Mode::Home
+        ) || self.suspend == Suspend::Door
+        {
+            return;
+        }
+        self.say("[MSG:Check Door]");
+        if self.mode == Mode::Jog {
+            self.cancel_jog();
+        }
+        self.suspend = Suspend::Door;
+        self.motion.hold();
+    }
+
+    fn resume(&mut self) {
+        // Ignored until the axes stand still; the sender has to send it again.
+        if self.motion.going() {
+            return;
+        }
+        match self.suspend {
+            Suspend::Hold => {
+                self.suspend = Suspend::None;
+                self.spindle_stopped = false;
+                self.motion.release();
+            }
+            Suspend::Door => {
+                let spindle = if self.spindle != 0 { 4.0 } else { 0.0 };
+                let coolant = if self.parser.flood { 1.0 } else { 0.0 };
+                self.suspend = Suspend::DoorResuming(self.now + spindle + coolant);
+            }
+            _ => {}
+        }
+    }
+
+    /// Slows down and forgets the queued jogs. Lines still in the ring are not forgotten: they start new jogs.
+    fn cancel_jog(&mut self) {
+        self.motion.hold();
+    }
+}

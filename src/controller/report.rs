@@ -1,0 +1,214 @@
+//! What the controller says about itself: status reports and the answers to `$$`, `$#`, `$G`, `$I`, `$N`.
+
+use super::{Controller, Mode, Suspend};
+use crate::gcode::{Distance, FeedMode, MotionMode, Plane, Units};
+use crate::wire::{Buffer, DoorPhase, Overrides, Position, State, Status};
+
+impl Controller {
+    pub(super) fn inches(&self) -> bool {
+        self.memory.is_on(13)
+    }
+
+    /// A length or speed in the unit of reports.
+    fn shown(&self, mm: f64) -> f64 {
+        if self.inches() { mm / 25.4 } else { mm }
+    }
+
+    fn triple(&self, v: [f64; 3]) -> String {
+        // Adding zero turns a negative zero into a plain one.
+        let v = v.map(|c| self.shown(c) + 0.0);
+        if self.inches() {
+            format!("{:.4},{:.4},{:.4}", v[0], v[1], v[2])
+        } else {
+            format!("{:.3},{:.3},{:.3}", v[0], v[1], v[2])
+        }
+    }
+
+    pub(super) fn state(&self) -> State {
+        let moving = self.motion.going();
+        match (self.mode, self.suspend) {
+            (Mode::Sleep, _) => State::Sleep,
+            (Mode::Alarm, _) => State::Alarm,
+            (Mode::Check, _) => State::Check,
+            (Mode::Home, _) => State::Home,
+            (_, Suspend::Door) => State::Door(if moving {
+                DoorPhase::Stopping
+            } else {
+                DoorPhase::Closed
+            }),
+            (_, Suspend::DoorResuming(_)) => State::Door(DoorPhase::Resuming),
+            (_, Suspend::Hold) => State::Hold { at_rest: !moving },
+            (Mode::Jog, _) => State::Jog,
+            (Mode::Normal, _) if moving => State::Run,
+            (Mode::Normal, _) => State::Idle,
+        }
+    }
+
+    /// The offset shown in reports follows the parser.
+    pub(super) fn refresh_offset(&mut self) {
+        let offset = self.parser.offset();
+        let offset = [offset.x, offset.y, offset.z];
+        if offset != self.offset {
+            self.offset = offset;
+            self.wco_in = 0;
+        }
+    }
+
+    pub(super) fn report_status(&mut self) {
+        let mut status = Status::new(self.state());
+        let place = self.motion.position_in_steps();
+        let place = [place.x, place.y, place.z];
+        let mask = self.memory.get(10) as u32;
+        status.position = Some(if mask & 1 == 1 {
+            Position::Machine(place.map(|c| self.shown(c)))
+        } else {
+            Position::Work(std::array::from_fn(|i| {
+                self.shown(place[i] - self.offset[i])
+            }))
+        });
+        if mask & 2 == 2 {
+            status.buffer = Some(Buffer {
+                blocks: self.motion.free(),
+                bytes: self.intake.free(),
+            });
+        }
+        status.feed = Some(self.shown(self.motion.speed() * 60.0));
+        // In laser mode the beam is off unless the axes move.
+        let dark = self.memory.is_on(32) && !self.motion.going();
+        let turning = self.spindle != 0
+            && !dark
+            && !self.spindle_stopped
+            && !matches!(self.suspend, Suspend::Door);
+        status.speed = Some(if turning {
+            self.rpm * f64::from(self.percent.spindle) / 100.0
+        } else {
+            0.0
+        });
+
+        let busy = matches!(
+            status.state,
+            State::Run | State::Hold { .. } | State::Jog | State::Home | State::Door(_)
+        );
+        if self.wco_in > 0 {
+            self.wco_in -= 1;
+        } else {
+            self.wco_in = if busy { 29 } else { 9 };
+            // Overrides never ride in the same report as the offset: it would grow too long.
+            self.overrides_in = self.overrides_in.max(1);
+            status.work_offset = Some(self.offset.map(|c| self.shown(c)));
+        }
+        if self.overrides_in > 0 {
+            self.overrides_in -= 1;
+        } else {
+            self.overrides_in = if busy { 19 } else { 9 };
+            let p = self.percent;
+            status.overrides = Some(Overrides {
+                feed: p.feed,
+                rapid: p.rapid,
+                spindle: p.spindle,
+            });
+            if turning {
+                status
+                    .accessories
+                    .push(if self.spindle > 0 { 'S' } else { 'C' });
+            }
+            if self.parser.flood {
+                status.accessories.push('F');
+            }
+        }
+        let line = status.write(self.inches());
+        self.say(&line);
+    }
+
+    pub(super) fn report_modes(&mut self) {
+        let p = &self.parser;
+        let motion = match p.motion {
+            MotionMode::Rapid => "G0",
+            MotionMode::Linear => "G1",
+            MotionMode::ArcClockwise => "G2",
+            MotionMode::ArcCounterclockwise => "G3",
+            MotionMode::None => "G80",
+            MotionMode::Probe(probe) => match (probe.away, probe.strict) {
+                (false, true) => "G38.2",
+                (false, false) => "G38.3",
+                (true, true) => "G38.4",
+                (true, false) => "G38.5",
+            },
+        };
+        let plane = match p.plane {
+            Plane::Xy => "G17",
+            Plane::Zx => "G18",
+            Plane::Yz => "G19",
+        };
+        let units = if p.units == Units::Inch { "G20" } else { "G21" };
+        let distance = if p.distance == Distance::Absolute {
+            "G90"
+        } else {
+            "G91"
+        };
+        let feed_mode = if p.feed_mode == FeedMode::PerMinute {
+            "G94"
+        } else {
+            "G93"
+        };
+        let spindle = match p.spindle {
+            0 => "M5",
+            1 => "M3",
+            _ => "M4",
+        };
+        let coolant = if p.flood { "M8" } else { "M9" };
+        let feed = if self.inches() {
+            format!("{:.1}", p.feed.0 / 25.4)
+        } else {
+            format!("{:.0}", p.feed.0)
+        };
+        let line = format!(
+            "[GC:{motion} G{} {plane} {units} {distance} {feed_mode} {spindle} {coolant} T{} F{feed} S{:.0}]",
+            54 + p.work_offset,
+            p.tool,
+            p.speed.0
+        );
+        self.say(&line);
+    }
+
+    pub(super) fn report_offsets(&mut self) {
+        for i in 0..6 {
+            let o = self.parser.g5x.get(i).copied().unwrap_or_default();
+            let line = format!("[G{}:{}]", 54 + i, self.triple([o.x, o.y, o.z]));
+            self.say(&line);
+        }
+        let (a, b, s) = (self.parser.g28, self.parser.g30, self.parser.g92);
+        for (name, v) in [
+            ("G28", [a.x, a.y, a.z]),
+            ("G30", [b.x, b.y, b.z]),
+            ("G92", [s.x, s.y, s.z]),
+        ] {
+            let line = format!("[{name}:{}]", self.triple(v));
+            self.say(&line);
+        }
+        let tlo = self.shown(self.parser.tlo);
+        let line = if self.inches() {
+            format!("[TLO:{tlo:.4}]")
+        } else {
+            format!("[TLO:{tlo:.3}]")
+        };
+        self.say(&line);
+        self.report_probe();
+    }
+
+    pub(super) fn report_probe(&mut self) {
+        let line = format!(
+            "[PRB:{}:{}]",
+            self.triple([self.probe.x, self.probe.y, self.probe.z]),
+            u8::from(self.probe_hit)
+        );
+        self.say(&line);
+    }
+
+    pub(super) fn report_build(&mut self) {
+        let line = format!("[VER:1.1h.20190830:{}]", self.memory.build_text);
+        self.say(&line);
+        let line = format!("[OPT:V,{},{}]", self.build.blocks, self.build.rx_bytes);
+        self.say(&line);
+    }
+}

@@ -1,0 +1,239 @@
+//! What a session tells while it runs, and how it ended.
+
+use super::stream::StreamError;
+use crate::wire::{State, alarm_meaning, error_meaning};
+use std::fmt;
+
+/// What the operator wants.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Command {
+    /// Feed hold.
+    Hold,
+    /// Resume from a hold (once it has come to rest).
+    Resume,
+    /// Stop the job: hold, wait for standstill, reset. The position is kept.
+    Stop,
+    /// Reset at once, even in motion. The position is lost then.
+    ResetNow,
+}
+
+/// News, in this order: `Connected`, notes, `Started`, then any mix of the others.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Progress {
+    /// The controller has introduced itself.
+    Connected {
+        /// Its version line, or its greeting.
+        version: String,
+        /// Bytes of receive buffer the stream counts with.
+        rx_bytes: usize,
+    },
+    /// Something to tell the operator; the job goes on.
+    Note(String),
+    /// The first line goes out.
+    Started {
+        /// Lines of the job.
+        total: usize,
+    },
+    /// A status report came in.
+    Report {
+        /// Lines sent.
+        sent: usize,
+        /// Lines answered.
+        acknowledged: usize,
+        /// Lines of the job.
+        total: usize,
+        /// State of the machine.
+        state: State,
+        /// Work position, mm, once it is known.
+        position: Option<[f64; 3]>,
+        /// Speed along the path, mm/min.
+        feed: Option<f64>,
+    },
+    /// The program (M0), a button or noise holds the machine: resume when ready.
+    Paused(String),
+    /// The stop procedure has begun, and why.
+    Stopping(String),
+}
+
+/// How a session ended.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Ending {
+    /// Every line answered, the machine at rest where the program ends.
+    Done,
+    /// The operator stopped it.
+    Stopped,
+    /// The operator had it reset while it may have been moving.
+    Aborted,
+    /// The controller refused a line.
+    Refused {
+        /// Line of the program, from 1; 0 for one of our own.
+        line: usize,
+        /// As sent.
+        text: String,
+        /// The N of `error:N`.
+        code: u16,
+    },
+    /// An alarm.
+    Alarm {
+        /// The N of `ALARM:N`.
+        code: u16,
+        /// Oldest line of the program not answered then.
+        line: Option<usize>,
+    },
+    /// The controller was not ready for a job; nothing was sent.
+    NotReady(String),
+    /// No answer: cable, power, wrong port.
+    Silent {
+        /// What was waited for.
+        waiting_for: &'static str,
+    },
+    /// The machine is Idle, yet lines stay unanswered: a reply was lost on the way.
+    LostReply {
+        /// Oldest unanswered line of the program.
+        line: usize,
+    },
+    /// The controller restarted by itself in the middle of the job.
+    ControllerReset,
+    /// All answered, but the machine stands elsewhere than the program ends.
+    Elsewhere {
+        /// Where the program ends, mm.
+        expected: [f64; 3],
+        /// Where the controller says it is, mm.
+        reported: [f64; 3],
+    },
+    /// A line that can never be sent safely.
+    Unstreamable(StreamError),
+    /// The port broke.
+    Broken(String),
+}
+
+impl Ending {
+    /// A short stable word for machines: `done`, `stopped` or `error ...`.
+    pub fn key(&self) -> String {
+        match self {
+            Ending::Done => "done".to_string(),
+            Ending::Stopped | Ending::Aborted => "stopped".to_string(),
+            Ending::Refused { line, code, .. } => format!("error:{code} at line {line}"),
+            Ending::Alarm { code, .. } => format!("error alarm:{code}"),
+            Ending::NotReady(_) => "error not ready".to_string(),
+            Ending::Silent { .. } => "error no answer".to_string(),
+            Ending::LostReply { .. } => "error reply lost".to_string(),
+            Ending::ControllerReset => "error controller reset".to_string(),
+            Ending::Elsewhere { .. } => "error wrong end position".to_string(),
+            Ending::Unstreamable(_) => "error line too long".to_string(),
+            Ending::Broken(_) => "error port".to_string(),
+        }
+    }
+}
+
+impl fmt::Display for Ending {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Ending::Done => f.write_str("done"),
+            Ending::Stopped => f.write_str("stopped by the operator"),
+            Ending::Aborted => f.write_str(
+                "reset by the operator in motion: steps may be lost. Home or set the zero again before starting over",
+            ),
+            Ending::Refused { line, text, code } => {
+                match line {
+                    0 => write!(f, "the controller refused `{text}` with error:{code}")?,
+                    _ => write!(f, "line {line} (`{text}`): the controller refused it with error:{code}")?,
+                }
+                match error_meaning(*code) {
+                    Some(m) => write!(f, ": {}. {}", m.what, m.advice),
+                    None => f.write_str(", a number this table does not know: look it up in your firmware's documentation"),
+                }
+            }
+            Ending::Alarm { code, line } => {
+                write!(f, "ALARM:{code}")?;
+                if let Some(line) = line {
+                    write!(f, " while line {line} was waiting")?;
+                }
+                match alarm_meaning(*code) {
+                    Some(m) => write!(f, ": {}. {}", m.what, m.advice),
+                    None => f.write_str(
+                        ", a number this table does not know: look it up in your firmware's documentation and home before going on",
+                    ),
+                }
+            }
+            Ending::NotReady(why) => f.write_str(why),
+            Ending::Silent { waiting_for } => write!(
+                f,
+                "no answer from the controller while waiting for {waiting_for}: check cable, power, port and serial speed"
+            ),
+            Ending::LostReply { line } => write!(
+                f,
+                "the machine is idle, but line {line} was never answered: a reply was lost on the cable. Check the cable and \
+                 its shielding; start again from a safe position"
+            ),
+            Ending::ControllerReset => f.write_str(
+                "the controller restarted in the middle of the job (power dip, interference or its reset button): home or set \
+                 the zero again before starting over",
+            ),
+            Ending::Elsewhere { expected: e, reported: r } => write!(
+                f,
+                "every line was answered, but the machine stands at {:.3} {:.3} {:.3} and the program ends at {:.3} {:.3} {:.3}: \
+                 bytes were damaged on the way, or the work zero changed. Check the part before going on",
+                r[0], r[1], r[2], e[0], e[1], e[2]
+            ),
+            Ending::Unstreamable(e) => e.fmt(f),
+            Ending::Broken(why) => f.write_str(why),
+        }
+    }
+}
+
+/// The result of a session.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outcome {
+    /// How it ended.
+    pub ending: Ending,
+    /// Lines of the job that were sent.
+    pub sent: usize,
+    /// Lines of the job that were answered.
+    pub acknowledged: usize,
+    /// Lines of the job.
+    pub total: usize,
+    /// Work position at the end as the controller reports it, mm.
+    pub position: Option<[f64; 3]>,
+    /// False when steps may have been lost, or nobody can tell.
+    pub position_kept: bool,
+    /// Seconds of host time from the first report of motion to the end; 0 if none was seen.
+    pub running_s: f64,
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn endings_say_where_what_and_what_next() {
+        let e = Ending::Refused {
+            line: 12,
+            text: "G1X1".into(),
+            code: 22,
+        };
+        assert_eq!(
+            e.to_string(),
+            "line 12 (`G1X1`): the controller refused it with error:22: no feed rate is set. Put an F word at or before the \
+             first cutting move."
+        );
+        assert_eq!(e.key(), "error:22 at line 12");
+        let e = Ending::Alarm {
+            code: 2,
+            line: Some(3),
+        };
+        assert!(
+            e.to_string()
+                .starts_with("ALARM:2 while line 3 was waiting: the target lies outside")
+        );
+        assert!(
+            Ending::Alarm {
+                code: 77,
+                line: None
+            }
+            .to_string()
+            .contains("does not know")
+        );
+    }
+}
