@@ -48,6 +48,7 @@ impl std::fmt::Display for Tool {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used)]
     use super::*;
 
     #[test]

@@ -3,7 +3,7 @@
 use super::Failure;
 use crate::part::{Loaded, Origin, PlaceOptions, Placement, Units, Up, load, place};
 use crate::tool::Tool;
-use std::path::PathBuf;
+use std::path::Path;
 
 /// The part and how it lies on the table.
 #[derive(Clone, Debug, clap::Args)]
@@ -90,7 +90,7 @@ impl ToolArgs {
 
 impl PartArgs {
     /// Reads the part and lays it on the table.
-    pub fn load(&self, path: &PathBuf) -> Result<(Loaded, Placement), Failure> {
+    pub fn load(&self, path: &Path) -> Result<(Loaded, Placement), Failure> {
         let loaded = load(path, self.units).map_err(Failure::failed)?;
         let options = PlaceOptions {
             up: self.up,

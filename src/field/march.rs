@@ -263,7 +263,7 @@ fn update(m: &Tensor, a: &Vector2, va: f64, b: &Vector2, vb: f64, front: Front) 
             }
             let up = (1.0 - g * g).sqrt();
             let cross = ux - uy * g / up;
-            (cross >= 0.0 && cross <= l).then(|| va + g * ux + up * uy)
+            (cross >= 0.0 && cross <= l).then_some(va + g * ux + up * uy)
         }
     }
 }

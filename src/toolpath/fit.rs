@@ -271,13 +271,13 @@ pub fn resample(curve: &[Point2], closed: bool, gap: f64) -> Vec<Point2> {
 }
 
 /// Evens out a curve: each round moves every point to (1, 2, 1) / 4 of itself and its neighbours; ends stay.
-pub fn smooth(curve: &mut Vec<Point2>, closed: bool, rounds: usize) {
+pub fn smooth(curve: &mut [Point2], closed: bool, rounds: usize) {
     let n = curve.len();
     if n < 3 {
         return;
     }
     for _ in 0..rounds {
-        let old = curve.clone();
+        let old = curve.to_vec();
         for i in 0..n {
             if !closed && (i == 0 || i + 1 == n) {
                 continue;

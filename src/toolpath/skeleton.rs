@@ -111,9 +111,9 @@ fn thin(mask: &mut Mask, left: &mut Vec<(i64, i64)>) {
                     let rises = (0..8).filter(|&k| !n[k] && n[(k + 1) % 8]).count();
                     let [e, _, no, _, w, _, s, _] = n;
                     let open = if phase == 0 {
-                        !(no && e && s) && !(e && s && w)
+                        !(e && s && (no || w))
                     } else {
-                        !(no && e && w) && !(no && s && w)
+                        !(no && w && (e || s))
                     };
                     (2..=6).contains(&count) && rises == 1 && open
                 })
