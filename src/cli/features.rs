@@ -95,7 +95,11 @@ pub fn run(a: &FeaturesArgs) -> Result<ExitCode, Failure> {
     let ground =
         plan::survey(cutter, &options, &mut |_, _| {}, &mut stage).map_err(Failure::failed)?;
     stage(Stage::Features);
-    let regions = plan::features(&ground, &options);
+    let regions = plan::features(
+        &ground,
+        options.strategy,
+        plan::PLAN_SHARES[0] * a.tool.scallop,
+    );
     progress.finish();
     if let Some(file) = &a.picture {
         write_whole(

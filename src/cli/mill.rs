@@ -479,7 +479,7 @@ fn job(a: &MillArgs, s: &Settings, placement: &Placement, ground: &Ground, plann
         ),
         format!(
             "cusps planned at {:.1} um, grid step {:.3} mm, filled where over {:.1} um",
-            plan::PLAN_SHARE * a.tool.scallop * um,
+            planned.spaced_for * um,
             ground.grid.step,
             plan::FILL_START * a.tool.scallop * um
         ),

@@ -33,12 +33,21 @@ pub struct LinkOptions {
 }
 
 /// Where the air begins: a ball thicker by the stock allowance, dropped onto the part.
-struct Air {
+#[derive(Debug)]
+pub struct Air {
     thick: DropCutter,
     block: f64,
 }
 
 impl Air {
+    /// Over the part that a cutter was made for.
+    pub fn new(part: &Mesh, cutter: &DropCutter, options: &LinkOptions) -> Air {
+        Air {
+            thick: DropCutter::new(part, cutter.radius() + options.allowance),
+            block: options.block_center_z,
+        }
+    }
+
     /// Lowest height of the ball's centre over a place at which it touches no stock.
     fn from(&self, x: f64, y: f64, hint: &mut Hint) -> f64 {
         let stock = self
@@ -65,22 +74,18 @@ impl Air {
 }
 
 /// Joins ordered passes into one toolpath: the ball's centre becomes the tool tip, one radius lower. Also says which feature each
-/// section of it cuts. `part` is the part the cutter was made for.
+/// section of it cuts.
 ///
 /// A hop through the air: up at feed until the ball is out of the stock, up at rapid speed, across, down to the clearance above the
 /// stock, and the plunge.
 pub fn link(
-    part: &Mesh,
     cutter: &DropCutter,
+    air: &Air,
     ordered: &[Pass],
     regions: &Regions,
     options: &LinkOptions,
     fitting: &FitOptions,
 ) -> (Toolpath, Vec<Option<usize>>) {
-    let air = Air {
-        thick: DropCutter::new(part, cutter.radius() + options.allowance),
-        block: options.block_center_z,
-    };
     let down = Vector::new(0.0, 0.0, -cutter.radius());
     let mut path = Toolpath {
         safe_z: options.safe_center_z - cutter.radius(),
@@ -117,7 +122,7 @@ pub fn link(
                 go(&mut path.moves, MoveKind::Rapid, over);
                 go(&mut path.moves, MoveKind::Plunge, start);
             }
-            Some(from) => match stay_down(cutter, &air, &from, &start, over_z, options, fitting) {
+            Some(from) => match stay_down(cutter, air, &from, &start, over_z, options, fitting) {
                 Link::Down(points) => points
                     .iter()
                     .for_each(|p| go(&mut path.moves, MoveKind::Link, *p)),
@@ -242,4 +247,25 @@ fn hop_time(
         + leg((to.xy() - from.xy()).norm(), options.rapid_xy)
         + leg(top_z - over_z, options.rapid_z)
         + leg(over_z - to.z, options.plunge)
+}
+
+impl Toolpath {
+    /// About how long this takes, s: lengths over speeds, and a stop for each link. To compare plans of one part with, not to promise.
+    pub fn rough_time(&self, options: &LinkOptions) -> f64 {
+        let stop = options.feed / options.acceleration;
+        self.moves
+            .windows(2)
+            .map(|w| {
+                let length = (w[1].to - w[0].to).norm();
+                let turn = if w[0].kind == w[1].kind { 0.0 } else { stop };
+                turn + match w[1].kind {
+                    MoveKind::Cut | MoveKind::Link => length / options.feed,
+                    MoveKind::Plunge => length / options.plunge,
+                    MoveKind::Rapid | MoveKind::Retract => {
+                        length / options.rapid_xy.min(options.rapid_z)
+                    }
+                }
+            })
+            .sum()
+    }
 }
