@@ -105,7 +105,7 @@ pub fn run(a: &FeaturesArgs) -> Result<ExitCode, Failure> {
         write_whole(
             file,
             &pictures::features(
-                &pictures::Subject::new(&a.part, &placement),
+                &pictures::Subject::new(&a.part, &placement, pictures::WIDTH),
                 &ground,
                 &regions,
             )?,

@@ -83,6 +83,9 @@ pub struct MillArgs {
     /// Write report.json and pictures into this folder
     #[arg(long, value_name = "DIR")]
     pub report: Option<PathBuf>,
+    /// Width of the pictures, pixels
+    #[arg(long, default_value_t = pictures::WIDTH, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(400..=4000))]
+    pub picture_width: u32,
     /// Write the report as JSON to this file
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
@@ -349,7 +352,7 @@ pub fn run(a: &MillArgs) -> Result<ExitCode, Failure> {
             .map_err(|e| Failure::Failed(format!("{}: {e}", dir.display())))?;
         pictures::draw_all(
             dir,
-            &pictures::Subject::new(&a.part, &placement),
+            &pictures::Subject::new(&a.part, &placement, a.picture_width),
             &ground,
             &planned,
             &reachable,

@@ -17,7 +17,8 @@ use crate::toolpath::plan::Plan;
 use crate::toolpath::{Ground, MoveKind, PassKind};
 use std::path::Path;
 
-const WIDTH: u32 = 1500;
+/// Width of pictures when none is asked for, pixels.
+pub const WIDTH: u32 = 1500;
 
 /// What is drawn.
 #[derive(Clone, Copy, Debug)]
@@ -26,12 +27,15 @@ pub struct Subject<'a> {
     pub part: &'a Path,
     /// Height of a closed part's underside, mm.
     pub floor: Option<f64>,
+    /// Width of the pictures, pixels.
+    pub width_px: u32,
 }
 
 impl<'a> Subject<'a> {
     /// A placed part.
-    pub fn new(part: &'a Path, placement: &Placement) -> Subject<'a> {
+    pub fn new(part: &'a Path, placement: &Placement, width_px: u32) -> Subject<'a> {
         Subject {
+            width_px,
             part,
             floor: placement.closed.then(|| placement.mesh.bounds().min.z),
         }
@@ -195,7 +199,7 @@ fn feature_picture(
         markers: &markers(&ground.critical),
         floor: of.floor,
         view: View::default(),
-        width_px: WIDTH,
+        width_px: of.width_px,
     })
     .map_err(failed)
 }
@@ -263,7 +267,7 @@ fn pass_picture(
             markers: &[],
             floor: of.floor,
             view: View::default(),
-            width_px: WIDTH,
+            width_px: of.width_px,
         },
         &lines,
     )
@@ -312,7 +316,7 @@ fn cusp_picture(
         }),
         heights: Some(heights),
         facts: &facts,
-        width_px: WIDTH,
+        width_px: of.width_px,
     })
     .map_err(failed)
 }
