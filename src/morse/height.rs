@@ -7,7 +7,7 @@
 
 use super::cancel::{peaks, pits};
 use super::critical::{CriticalKind, CriticalPoint, Link, Scalar, classify};
-use crate::geom::Point;
+use super::refine::refined;
 use crate::reach::{NodeKind, ToolCentreGrid};
 use nalgebra::{SMatrix, SVector};
 
@@ -184,93 +184,4 @@ pub fn critical_points(
             .then(a.node.cmp(&b.node))
     });
     out
-}
-
-/// Half width, in steps, of the window a quadratic is fitted over: wide enough to see past the facets of the mesh.
-const WINDOW: i32 = 4;
-
-/// Places a critical node below the grid's step: inside by a least-squares quadratic of the centre heights round about (smoother than the
-/// contacts, and level at the same place), on the border
-/// by the best of the border crossings nearby.
-fn refined(
-    grid: &ToolCentreGrid,
-    kind: CriticalKind,
-    node: usize,
-    boundary: bool,
-    persistence: f64,
-) -> CriticalPoint {
-    let (center, contact) = if boundary {
-        on_border(grid, kind, node)
-    } else {
-        inside(grid, node)
-    };
-    CriticalPoint {
-        kind,
-        node,
-        boundary,
-        center,
-        contact,
-        persistence,
-    }
-}
-
-fn inside(grid: &ToolCentreGrid, node: usize) -> (Point, Point) {
-    let here = grid.center(node);
-    let plain = (here, grid.point[node]);
-    let mut ata = SMatrix::<f64, 6, 6>::zeros();
-    let mut atb = SVector::<f64, 6>::zeros();
-    let w = WINDOW as f64;
-    for dy in -WINDOW..=WINDOW {
-        for dx in -WINDOW..=WINDOW {
-            let Some(j) = grid.neighbour(node, (dx, dy)) else {
-                return plain;
-            };
-            if grid.kind[j] != NodeKind::Ground {
-                return plain;
-            }
-            let (u, v) = (dx as f64 / w, dy as f64 / w);
-            let row = SVector::<f64, 6>::from([1.0, u, v, u * u, u * v, v * v]);
-            ata += row * row.transpose();
-            atb += row * (grid.center_z[j] - here.z);
-        }
-    }
-    let Some(q) = ata.cholesky().map(|c| c.solve(&atb)) else {
-        return plain;
-    };
-    let det = 4.0 * q[3] * q[5] - q[4] * q[4];
-    if det.abs() < 1e-18 {
-        return plain;
-    }
-    let u = (-2.0 * q[5] * q[1] + q[4] * q[2]) / det;
-    let v = (-2.0 * q[3] * q[2] + q[4] * q[1]) / det;
-    if !(u.abs() <= 0.75 && v.abs() <= 0.75) {
-        return plain; // the fit sees another place than the link does
-    }
-    let rise = q[0] + q[1] * u + q[2] * v + q[3] * u * u + q[4] * u * v + q[5] * v * v;
-    let scale = w * grid.step;
-    let c = Point::new(here.x + u * scale, here.y + v * scale, here.z + rise);
-    // Level ground: the ball stands right above the point it touches.
-    (c, Point::new(c.x, c.y, c.z - grid.radius))
-}
-
-fn on_border(grid: &ToolCentreGrid, kind: CriticalKind, node: usize) -> (Point, Point) {
-    let q = grid.xy(node);
-    let near = 2.5 * grid.step;
-    let best = grid
-        .crossings
-        .iter()
-        .filter(|c| (c.contact.center.x - q.x).hypot(c.contact.center.y - q.y) <= near)
-        .reduce(|a, b| {
-            let (za, zb) = (a.contact.point.z, b.contact.point.z);
-            let better = if kind == CriticalKind::Maximum {
-                zb > za
-            } else {
-                zb < za
-            };
-            if better { b } else { a }
-        });
-    match best {
-        Some(c) => (c.contact.center, c.contact.point),
-        None => (grid.center(node), grid.point[node]),
-    }
 }

@@ -6,6 +6,7 @@
 pub mod cancel;
 pub mod critical;
 pub mod height;
+mod refine;
 
 pub use critical::{CriticalKind, CriticalPoint};
 pub use height::{HeightField, MorseOptions, critical_points};

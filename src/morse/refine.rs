@@ -1,0 +1,231 @@
+//! Placing critical points below the grid's step, and past the facets of the mesh.
+//!
+//! Inside, by the level point of a quadratic fitted to the *centre* heights round about: they are smoother than the contacts, and level
+//! at the same place. On the border, by the extreme of a parabola fitted to the outline's heights along it.
+
+use super::critical::{CriticalKind, CriticalPoint};
+use crate::geom::{Point, Vector, Vector2};
+use crate::reach::{Crossing, LINK, NodeKind, ToolCentreGrid};
+use nalgebra::{SMatrix, SVector};
+
+/// Half width, in steps, of the window a quadratic is fitted over: about a stepover, two facets of a good mesh.
+const WINDOW: i32 = 6;
+/// Most the fit may lead away from the node, in steps. Where a ball sits on a mesh vertex for many nodes on end, the node that wins the tie
+/// may be at the rim of them.
+const DRIFT: f64 = 8.0;
+
+pub(super) fn refined(
+    grid: &ToolCentreGrid,
+    kind: CriticalKind,
+    node: usize,
+    boundary: bool,
+    persistence: f64,
+) -> CriticalPoint {
+    // An extreme of the border may be won by the ground node beside it.
+    let beside = kind != CriticalKind::Saddle
+        && LINK.iter().any(|d| {
+            grid.neighbour(node, *d)
+                .is_none_or(|j| grid.kind[j] != NodeKind::Ground)
+        });
+    let boundary = boundary || beside;
+    let (center, contact) = if boundary {
+        on_border(grid, kind, node)
+    } else {
+        inside(grid, kind, node)
+    };
+    CriticalPoint {
+        kind,
+        node,
+        boundary,
+        center,
+        contact,
+        persistence,
+    }
+}
+
+fn inside(grid: &ToolCentreGrid, kind: CriticalKind, node: usize) -> (Point, Point) {
+    let plain = (grid.center(node), grid.point[node]);
+    let start = grid.xy(node);
+    let mut at = node;
+    for _ in 0..8 {
+        let Some((c, hesse)) = level_point(grid, at) else {
+            return plain;
+        };
+        let flat = hesse[0] * hesse[2] - hesse[1] * hesse[1];
+        let as_meant = match kind {
+            CriticalKind::Saddle => flat < 0.0,
+            CriticalKind::Maximum => flat > 0.0 && hesse[0] < 0.0,
+            CriticalKind::Minimum => flat > 0.0 && hesse[0] > 0.0,
+        };
+        let far = (c.xy() - start).norm();
+        if !as_meant || !(far <= DRIFT * grid.step) {
+            return plain;
+        }
+        let here = grid.xy(at);
+        if (c.xy() - here).norm() <= 0.75 * grid.step {
+            // Level ground: the ball stands right above the point it touches.
+            return (c, Point::new(c.x, c.y, c.z - grid.radius));
+        }
+        // Fit again about the place found, or as near to it as the window lets one trust.
+        let reach = 0.5 * WINDOW as f64 * grid.step;
+        let d = c.xy() - here;
+        let to = here + d * (reach / d.norm()).min(1.0);
+        match grid.nearest(to.x, to.y) {
+            Some(n) if n != at => at = n,
+            _ => return (c, Point::new(c.x, c.y, c.z - grid.radius)),
+        }
+    }
+    plain
+}
+
+/// Where a quadratic fitted to the centre heights about a node is level, and its second derivatives `[xx, xy, yy]` (up to scale).
+/// Nodes count less the farther they are. `None` near the border or where the fit has no level point.
+fn level_point(grid: &ToolCentreGrid, node: usize) -> Option<(Point, [f64; 3])> {
+    let here = grid.center(node);
+    if grid.kind[node] != NodeKind::Ground {
+        return None;
+    }
+    let mut ata = SMatrix::<f64, 6, 6>::zeros();
+    let mut atb = SVector::<f64, 6>::zeros();
+    let w = WINDOW as f64;
+    let (mut used, mut wanted) = (0, 0);
+    for dy in -WINDOW..=WINDOW {
+        for dx in -WINDOW..=WINDOW {
+            let (u, v) = (dx as f64 / w, dy as f64 / w);
+            let near = 1.0 - u * u - v * v;
+            if near <= 0.0 {
+                continue;
+            }
+            wanted += 1;
+            let Some(j) = grid
+                .neighbour(node, (dx, dy))
+                .filter(|&j| grid.kind[j] == NodeKind::Ground)
+            else {
+                continue;
+            };
+            used += 1;
+            let row = SVector::<f64, 6>::from([1.0, u, v, u * u, u * v, v * v]);
+            let weight = near * near;
+            ata += row * row.transpose() * weight;
+            atb += row * (weight * (grid.center_z[j] - here.z));
+        }
+    }
+    if 3 * used < 2 * wanted {
+        return None;
+    }
+    let q = ata.cholesky()?.solve(&atb);
+    let det = 4.0 * q[3] * q[5] - q[4] * q[4];
+    let u = (-2.0 * q[5] * q[1] + q[4] * q[2]) / det;
+    let v = (-2.0 * q[3] * q[2] + q[4] * q[1]) / det;
+    if !(u.is_finite() && v.is_finite()) {
+        return None;
+    }
+    let rise = q[0] + q[1] * u + q[2] * v + q[3] * u * u + q[4] * u * v + q[5] * v * v;
+    let scale = w * grid.step;
+    let c = Point::new(here.x + u * scale, here.y + v * scale, here.z + rise);
+    Some((c, [2.0 * q[3], q[4], 2.0 * q[5]]))
+}
+
+/// How far along the border a parabola is fitted, in steps: two stepovers to either side.
+const ALONG: f64 = 10.0;
+
+fn on_border(grid: &ToolCentreGrid, kind: CriticalKind, node: usize) -> (Point, Point) {
+    let q = grid.xy(node);
+    let sign = if kind == CriticalKind::Maximum {
+        -1.0
+    } else {
+        1.0
+    };
+    let near = |c: &&Crossing, reach: f64| (c.contact.center.xy() - q).norm() <= reach * grid.step;
+    let best = grid
+        .crossings
+        .iter()
+        .filter(|c| near(c, 2.5))
+        .reduce(|a, b| {
+            if sign * b.contact.point.z < sign * a.contact.point.z {
+                b
+            } else {
+                a
+            }
+        });
+    let Some(best) = best else {
+        return (grid.center(node), grid.point[node]);
+    };
+    let plain = (best.contact.center, best.contact.point);
+    let at = best.contact.point;
+    let beside: Vec<&Crossing> = grid
+        .crossings
+        .iter()
+        .filter(|c| (c.contact.point.xy() - at.xy()).norm() <= ALONG * grid.step)
+        .collect();
+    // The border's direction: the main axis of the places about; a corner has none, and is where it is.
+    let n = beside.len() as f64;
+    let mean = beside
+        .iter()
+        .map(|c| c.contact.point.xy().coords)
+        .sum::<Vector2>()
+        / n;
+    let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
+    for c in &beside {
+        let d = c.contact.point.xy().coords - mean;
+        xx += d.x * d.x;
+        xy += d.x * d.y;
+        yy += d.y * d.y;
+    }
+    let half = 0.5 * (xx - yy);
+    let e = half.hypot(xy);
+    let (large, small) = (0.5 * (xx + yy) + e, 0.5 * (xx + yy) - e);
+    if !(small <= 0.01 * large) {
+        return corner(grid, node, sign, plain);
+    }
+    let angle = 0.5 * xy.atan2(half);
+    let along = Vector2::new(angle.cos(), angle.sin());
+    let scale = ALONG * grid.step;
+    let mut ata = SMatrix::<f64, 3, 3>::zeros();
+    let mut atb = SVector::<f64, 3>::zeros();
+    let (mut lo, mut hi) = (0.0f64, 0.0f64);
+    for c in &beside {
+        let t = (c.contact.point.xy() - at.xy()).dot(&along) / scale;
+        (lo, hi) = (lo.min(t), hi.max(t));
+        let weight = (1.0 - t * t).max(0.0);
+        let row = SVector::<f64, 3>::from([1.0, t, t * t]);
+        ata += row * row.transpose() * weight;
+        atb += row * (weight * (c.contact.point.z - at.z));
+    }
+    let Some(p) = ata.cholesky().map(|c| c.solve(&atb)) else {
+        return plain;
+    };
+    let t = -p[1] / (2.0 * p[2]);
+    // An extreme of the right kind, well within what was fitted: else the border ends here, in a corner.
+    if !(sign * p[2] > 0.0 && t.abs() < 0.6 && t > 0.8 * lo && t < 0.8 * hi) {
+        return corner(grid, node, sign, plain);
+    }
+    let to = at.xy() + along * (t * scale);
+    beside
+        .iter()
+        .map(|c| ((c.contact.point.xy() - to).norm(), *c))
+        .reduce(|a, b| if b.0 < a.0 { b } else { a })
+        .map_or(plain, |(_, c)| {
+            // From the nearest crossing on along the border, at the height the parabola gives.
+            let slide = along * (to - c.contact.point.xy()).dot(&along);
+            let z = at.z + p[0] + p[1] * t + p[2] * t * t;
+            let d = Vector::new(slide.x, slide.y, z - c.contact.point.z);
+            (c.contact.center + d, c.contact.point + d)
+        })
+}
+
+/// A corner of the outline: balls that roll round it touch the corner itself.
+fn corner(grid: &ToolCentreGrid, node: usize, sign: f64, plain: (Point, Point)) -> (Point, Point) {
+    let (mut center, mut contact) = plain;
+    for dy in -4..=4 {
+        for dx in -4..=4 {
+            if let Some(j) = grid.neighbour(node, (dx, dy))
+                && grid.kind[j] == NodeKind::Rim
+                && sign * grid.point[j].z < sign * contact.z
+            {
+                (center, contact) = (grid.center(j), grid.point[j]);
+            }
+        }
+    }
+    (center, contact)
+}
