@@ -83,6 +83,16 @@ fn bisect(drop: &DropCutter, lattice: &Lattice, a: usize, d: [f64; 2], out: &mut
     }
 }
 
+/// The balls found on edges that begin at a run of nodes. `creases` lists them by owner.
+pub(super) fn owned(extras: &[Extra], owners: std::ops::Range<usize>) -> &[Extra] {
+    let first = extras.partition_point(|e| (e.owner as usize) < owners.start);
+    let rest = &extras[first..];
+    &rest[..rest
+        .iter()
+        .take_while(|e| (e.owner as usize) < owners.end)
+        .count()]
+}
+
 /// Marks the nodes with an extra ball on an edge of theirs or of one of the eight around.
 pub(super) fn near_extras(lattice: &Lattice, extras: &[Extra]) -> Vec<bool> {
     let mut near = vec![false; lattice.len()];
@@ -112,10 +122,9 @@ pub(super) fn best_extra(
     let (ix, iy) = lattice.cell(node);
     let mut best: Option<Best> = None;
     for jy in iy.saturating_sub(1)..(iy + 2).min(lattice.ny) {
-        let first = lattice.index(ix.saturating_sub(1), jy) as u32;
-        let last = lattice.index((ix + 1).min(lattice.nx - 1), jy) as u32;
-        let start = extras.partition_point(|e| e.owner < first);
-        for e in extras[start..].iter().take_while(|e| e.owner <= last) {
+        let first = lattice.index(ix.saturating_sub(1), jy);
+        let last = lattice.index((ix + 1).min(lattice.nx - 1), jy);
+        for e in owned(extras, first..last + 1) {
             let plan_sq = (e.center.x - q.x).powi(2) + (e.center.y - q.y).powi(2);
             if plan_sq <= radius_sq {
                 let value = e.center.z - (radius_sq - plan_sq).sqrt();

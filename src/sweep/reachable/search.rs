@@ -204,6 +204,7 @@ impl<'a> Search<'a> {
         let lattice = self.lattice;
         let (nx, ny) = (lattice.nx, lattice.ny);
         let mut active = vec![true; lattice.len()];
+        let mut active_rows = vec![true; ny];
         // A candidate travels at most one radius from its node; the bound is for safety, not for speed.
         let rounds = 4 * (nx + ny) + 16;
         for _ in 0..rounds {
@@ -211,6 +212,9 @@ impl<'a> Search<'a> {
                 .into_par_iter()
                 .map(|iy| {
                     let mut out = Vec::new();
+                    if !active_rows[iy] {
+                        return out;
+                    }
                     for ix in 0..nx {
                         let i = lattice.index(ix, iy);
                         if !active[i] {
@@ -245,7 +249,11 @@ impl<'a> Search<'a> {
                     out
                 })
                 .collect();
-            active.fill(false);
+            for (iy, row) in active_rows.iter_mut().enumerate() {
+                if std::mem::take(row) {
+                    active[iy * nx..(iy + 1) * nx].fill(false);
+                }
+            }
             let mut any = false;
             for (i, o, v) in updates.into_iter().flatten() {
                 any = true;
@@ -254,6 +262,7 @@ impl<'a> Search<'a> {
                 self.value[i] = v;
                 let (ix, iy) = lattice.cell(i);
                 for jy in iy.saturating_sub(1)..(iy + 2).min(ny) {
+                    active_rows[jy] = true;
                     active[jy * nx + ix.saturating_sub(1)..jy * nx + (ix + 2).min(nx)].fill(true);
                 }
             }

@@ -98,7 +98,7 @@ proptest! {
 }
 
 #[test]
-#[ignore = "a measurement: run with --ignored --nocapture"]
+#[ignore = "a measurement: cargo test --release --lib reachable::tests::quality -- --ignored --nocapture"]
 fn quality() {
     for seed in 0..12u64 {
         let (max, over, of) = excess(&rough(seed), 2.0, 0.1);
@@ -222,11 +222,18 @@ fn same_bits_for_any_number_of_threads_and_empty_parts() {
 }
 
 #[test]
-#[ignore = "a measurement: run with --ignored --nocapture"]
+#[ignore = "a measurement: cargo test --release --lib reachable::tests::speed -- --ignored --nocapture; PART=file.stl for a part"]
 fn speed() {
-    let mesh = grid_mesh(120, 65.0, |x, y| {
-        6.0 * (x * 0.12).sin() * (y * 0.1).cos() + 0.4 * (x - y).abs()
-    });
+    let mesh = match std::env::var_os("PART") {
+        Some(file) => {
+            crate::part::load(std::path::Path::new(&file), crate::part::Units::Mm)
+                .unwrap()
+                .mesh
+        }
+        None => grid_mesh(120, 65.0, |x, y| {
+            6.0 * (x * 0.12).sin() * (y * 0.1).cos() + 0.4 * (x - y).abs()
+        }),
+    };
     let drop = DropCutter::new(&mesh, 3.0);
     let lattice = lattice_for(&drop.bounds(), 3.0, 0.05);
     let t = std::time::Instant::now();
@@ -238,17 +245,23 @@ fn speed() {
         t.elapsed()
     );
     let t = std::time::Instant::now();
+    let mut last = t.elapsed();
+    let mut stage = |name: &str| {
+        let now = t.elapsed();
+        eprintln!("{name} {:?}", now - last);
+        last = now;
+    };
     let mut s = Search::seeded(&lattice, 3.0, &nodes);
-    eprintln!("seeded {:?}", t.elapsed());
+    stage("seeded");
     s.spread_in_bands();
-    eprintln!("spread {:?}", t.elapsed());
+    stage("spread");
     s.descend();
-    eprintln!("descended {:?}", t.elapsed());
+    stage("descended");
     s.settle();
-    eprintln!("settled {:?}", t.elapsed());
+    stage("settled");
     let extras = creases(&drop, &lattice, &nodes);
     let near = near_extras(&lattice, &extras);
-    eprintln!("{} extras {:?}", extras.len(), t.elapsed());
+    stage(&format!("{} extras", extras.len()));
     let _ = s.refined(&nodes.part_z, &extras, &near);
-    eprintln!("refined {:?}", t.elapsed());
+    stage("refined");
 }

@@ -47,7 +47,7 @@ pub(super) fn pieces(segments: &[Segment]) -> Vec<Piece> {
             }
         }
         let d = s.to - s.from;
-        let plan = d.x.hypot(d.y);
+        let plan = (d.x * d.x + d.y * d.y).sqrt();
         let length = d.norm();
         let dir = if plan > VERTICAL {
             Some(d / length)

@@ -195,7 +195,7 @@ fn same_bits_for_any_number_of_threads() {
 }
 
 #[test]
-#[ignore = "a measurement: run with --ignored --nocapture"]
+#[ignore = "a measurement: cargo test --release --lib swept::tests::speed -- --ignored --nocapture"]
 fn speed() {
     let lattice = Lattice::covering(Point2::new(-37.5, -37.5), Point2::new(37.5, 37.5), 0.05);
     let s = spiral(40_000, 0.25);
