@@ -16,7 +16,7 @@ use crate::simulate::{DryRun, DryRunOptions, PartContext, Stock, dry_run, judgin
 use crate::sweep::{Lattice, reachable};
 use crate::verify::dialect_of;
 use serde::Serialize;
-use std::io::Write;
+use std::io::{Read as _, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -87,7 +87,7 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, Failure> {
     let post =
         Post::load(args.post.as_deref().unwrap_or(&machine.post)).map_err(Failure::failed)?;
     let dialect = dialect_of(&post).map_err(Failure::failed)?;
-    let text = read_program(&args.program)?;
+    let text = read_program(&args.program).map_err(Failure::Failed)?;
     let mut progress = Progress::new();
     let radius = args.tool.tool.radius;
     let mut figures = None;
@@ -153,16 +153,31 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, Failure> {
     })
 }
 
-fn read_program(path: &Path) -> Result<String, Failure> {
-    let fail = |e: &dyn std::fmt::Display| Failure::Failed(format!("{}: {e}", path.display()));
+/// A program is text, and a long one has a million lines, not more than this, bytes.
+const MOST_BYTES: u64 = 1 << 29;
+
+/// The text of a program, for `check` and `send` alike. Errors name the file.
+pub(super) fn read_program(path: &Path) -> Result<String, String> {
+    let fail = |e: &dyn std::fmt::Display| format!("{}: {e}", path.display());
     if path.is_dir() {
         return Err(fail(&"this is a directory: name the program inside it"));
     }
-    let bytes = std::fs::read(path).map_err(|e| fail(&format!("cannot be read: {e}")))?;
+    let mut bytes = Vec::new();
+    std::fs::File::open(path)
+        .and_then(|f| f.take(MOST_BYTES + 1).read_to_end(&mut bytes))
+        .map_err(|e| fail(&format!("cannot be read: {e}")))?;
     if bytes.is_empty() {
-        return Err(fail(&"the file is empty: there is no program to check"));
+        return Err(fail(&"the file is empty: there is no program in it"));
     }
-    // Comments may hold bytes of any code page; a letter that is none shows up as a refused word on its line.
+    if bytes.len() as u64 > MOST_BYTES {
+        return Err(fail(&"more than 512 MB: no program is as long"));
+    }
+    if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
+        return Err(fail(
+            &"this is text in UTF-16: save it as plain ASCII or UTF-8",
+        ));
+    }
+    // Comments may hold bytes of any code page; elsewhere a letter that is none shows up as a refused word on its line.
     Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 
@@ -365,7 +380,12 @@ endsolid p\n";
         };
         assert!(
             failed(&[&empty, "--machine", "longmill-30x30"])
-                .ends_with("there is no program to check")
+                .ends_with("the file is empty: there is no program in it")
+        );
+        std::fs::write(&empty, b"\xff\xfeG\0").unwrap();
+        assert!(
+            failed(&[&empty, "--machine", "longmill-30x30"])
+                .ends_with("this is text in UTF-16: save it as plain ASCII or UTF-8")
         );
         assert!(failed(&[&folder, "--machine", "longmill-30x30"]).contains("this is a directory"));
         assert!(

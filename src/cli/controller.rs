@@ -1,6 +1,6 @@
 //! `morsemill controller`: the simulated controller behind a pseudo-terminal, for any sender to open.
 
-use super::send::pace;
+use super::send::{pace, say};
 use crate::controller::{Controller, Pace, Pty};
 use crate::machine::Machine;
 use std::io::Write;
@@ -25,7 +25,7 @@ pub fn run(args: &ControllerArgs, out: &mut dyn Write) -> u8 {
     match serve(args, out) {
         Ok(()) => 0,
         Err(message) => {
-            eprintln!("error: {message}");
+            say(&format!("error: {message}"));
             2
         }
     }
@@ -43,11 +43,11 @@ fn serve(args: &ControllerArgs, out: &mut dyn Write) -> Result<(), String> {
         Pty::start(Controller::of_machine(&machine), args.speed).map_err(|e| e.to_string())?;
     writeln!(out, "{}", pty.path())
         .and_then(|()| out.flush())
-        .map_err(|e| e.to_string())?;
-    eprintln!(
+        .map_err(|e| format!("standard output: {e}"))?;
+    say(&format!(
         "GRBL 1.1h, {}: open that path as a serial device; Ctrl-C ends",
         machine.title
-    );
+    ));
     // The handler's sender lives as long as the process, so this returns only on Ctrl-C.
     let _ = receiver.recv();
     Ok(())

@@ -1,5 +1,6 @@
 //! `morsemill ports`: the serial ports of this computer.
 
+use super::send::say;
 use crate::link::port;
 use std::io::Write;
 
@@ -8,12 +9,12 @@ pub fn run(out: &mut dyn Write) -> u8 {
     let ports = match port::list() {
         Ok(ports) => ports,
         Err(e) => {
-            eprintln!("error: {e}");
+            say(&format!("error: {e}"));
             return 2;
         }
     };
     if ports.is_empty() {
-        eprintln!("no serial ports: plug the controller in, or use `--port sim`");
+        say("no serial ports: plug the controller in, or use `--port sim`");
     }
     let width = ports.iter().map(|p| p.path.len()).max().unwrap_or(0);
     for p in &ports {

@@ -1,5 +1,7 @@
 //! `morsemill send`: vet a program, then stream it to a controller, real or simulated.
 
+use super::check::read_program;
+use super::output::write_json;
 use crate::controller::{Controller, Pace, Pty};
 use crate::kinematics::{Settings, program_time};
 use crate::link::{
@@ -9,7 +11,7 @@ use crate::machine::Machine;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 use std::io::{BufRead as _, IsTerminal as _, Write};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, mpsc};
 use std::time::{Duration, Instant};
@@ -39,6 +41,9 @@ pub struct SendArgs {
     pub json: Option<PathBuf>,
 }
 
+/// Times real time, at most: a second is half a month then.
+const FASTEST: f64 = 1e6;
+
 /// Reads `--speed`.
 ///
 /// # Errors
@@ -47,8 +52,10 @@ pub fn pace(text: &str) -> Result<Pace, String> {
     match text.trim().parse::<f64>() {
         _ if text == "max" => Ok(Pace::Unbound),
         Ok(0.0) => Ok(Pace::Unbound),
-        Ok(n) if n.is_finite() && n > 0.0 => Ok(Pace::Times(n)),
-        _ => Err("write a number above zero (1 is real time), or `max`".to_string()),
+        Ok(n) if n > 0.0 && n <= FASTEST => Ok(Pace::Times(n)),
+        _ => Err(format!(
+            "write a number above zero (1 is real time) up to {FASTEST}, or `max`"
+        )),
     }
 }
 
@@ -81,10 +88,15 @@ pub fn run(args: &SendArgs, out: &mut dyn Write) -> u8 {
     match send(args, out) {
         Ok(code) => code,
         Err(Failure { code, message }) => {
-            eprintln!("error: {message}");
+            say(&format!("error: {message}"));
             code
         }
     }
+}
+
+/// A line on stderr. A closed or full stderr must not end a job under way, as `eprintln!` would: it panics.
+pub(super) fn say(text: &str) {
+    let _ = writeln!(std::io::stderr(), "{text}");
 }
 
 struct Failure {
@@ -113,9 +125,7 @@ fn send(args: &SendArgs, out: &mut dyn Write) -> Result<u8, Failure> {
         )));
     }
     let name = args.program.display();
-    let text = std::fs::read(&args.program).map_err(|e| cannot(format!("{name}: {e}")))?;
-    // Damage in a comment must not stop a job; damage in a word is refused by name, as the replacement character.
-    let text = String::from_utf8_lossy(&text);
+    let text = read_program(&args.program).map_err(cannot)?;
     let job = Job::vet(&text).map_err(|errors| {
         let list: Vec<String> = errors.iter().map(|e| format!("{name}:{e}")).collect();
         Failure {
@@ -146,7 +156,7 @@ fn send(args: &SendArgs, out: &mut dyn Write) -> Result<u8, Failure> {
         .map_or(args.port.as_str(), Pty::path)
         .to_string();
     if simulated {
-        eprintln!("simulated controller on {path}");
+        say(&format!("simulated controller on {path}"));
     }
     let mut port = SerialPort::open(&path, machine.baud, PORT_TIMEOUT).map_err(cannot)?;
     let options = SessionOptions {
@@ -182,11 +192,26 @@ fn send(args: &SendArgs, out: &mut dyn Write) -> Result<u8, Failure> {
         result: outcome.ending.key(),
         message: outcome.ending.to_string(),
     };
-    summary(&report, out).map_err(cannot)?;
-    if let Some(file) = &args.json {
-        write_json(file, &report).map_err(|e| cannot(format!("{}: {e}", file.display())))?;
-    }
-    Ok(exit_code(&outcome))
+    // The job has ended whatever happens here: one lost copy of the result must not cost the other.
+    let kept = args
+        .json
+        .as_ref()
+        .map_or(Ok(()), |file| write_json(file, &report));
+    let told = match summary(&report, out).and_then(|()| out.flush()) {
+        Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => {
+            Err(format!("standard output: {e}"))
+        }
+        _ => Ok(()),
+    };
+    let lost = match (kept, told) {
+        (Err(super::Failure::Rejected(text) | super::Failure::Failed(text)), _)
+        | (_, Err(text)) => text,
+        _ => return Ok(exit_code(&outcome)),
+    };
+    Err(cannot(format!(
+        "{lost} (the job itself: {})",
+        report.message
+    )))
 }
 
 fn exit_code(outcome: &Outcome) -> u8 {
@@ -243,17 +268,6 @@ fn summary(report: &Report, out: &mut dyn Write) -> std::io::Result<()> {
     writeln!(out, "result               {}", report.message)
 }
 
-/// Writes beside the file, then renames: nobody ever sees half of it.
-fn write_json(file: &Path, report: &Report) -> std::io::Result<()> {
-    let mut name = file.file_name().unwrap_or_default().to_os_string();
-    name.push(".part");
-    let part = file.with_file_name(name);
-    let mut text = serde_json::to_string_pretty(report).map_err(std::io::Error::other)?;
-    text.push('\n');
-    std::fs::write(&part, text)?;
-    std::fs::rename(&part, file)
-}
-
 /// The operator's wishes: Ctrl-C, and lines on a terminal's stdin.
 fn commands() -> mpsc::Receiver<Command> {
     let (sender, receiver) = mpsc::channel();
@@ -262,8 +276,8 @@ fn commands() -> mpsc::Receiver<Command> {
     let set = ctrlc::set_handler(move || {
         // The first stops the job in order; the second means it.
         let command = if presses.fetch_add(1, Ordering::Relaxed) == 0 {
-            eprintln!(
-                "\nstopping: feed hold, standstill, reset. Ctrl-C once more resets at once and loses the position"
+            say(
+                "\nstopping: feed hold, standstill, reset. Ctrl-C once more resets at once and loses the position",
             );
             Command::Stop
         } else {
@@ -273,12 +287,12 @@ fn commands() -> mpsc::Receiver<Command> {
         let _ = on_interrupt.send(command);
     });
     if set.is_err() {
-        eprintln!(
-            "warning: Ctrl-C cannot be caught here and would leave the machine running what it has received"
+        say(
+            "warning: Ctrl-C cannot be caught here and would leave the machine running what it has received",
         );
     }
     if std::io::stdin().is_terminal() {
-        eprintln!("h hold, r resume, x stop, each with Enter; Ctrl-C stops too");
+        say("h hold, r resume, x stop, each with Enter; Ctrl-C stops too");
         std::thread::spawn(move || {
             for line in std::io::stdin().lock().lines() {
                 let Ok(line) = line else { return };
@@ -316,7 +330,7 @@ impl Bar {
 
     fn tell(&self, text: &str) {
         if self.0.is_hidden() {
-            eprintln!("{text}");
+            say(text);
         } else {
             self.0.println(text);
         }
@@ -368,6 +382,7 @@ impl Drop for Bar {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
+    use std::path::Path;
 
     fn args(program: &Path, port: &str) -> SendArgs {
         SendArgs {
@@ -431,6 +446,10 @@ mod tests {
         assert_eq!(pace("max"), Ok(Pace::Unbound));
         assert_eq!(pace("0"), Ok(Pace::Unbound));
         assert_eq!(pace("10"), Ok(Pace::Times(10.0)));
+        assert_eq!(
+            pace("1e300"),
+            Err("write a number above zero (1 is real time) up to 1000000, or `max`".to_string())
+        );
         assert!(pace("-1").is_err() && pace("nan").is_err() && pace("fast").is_err());
     }
 }

@@ -21,8 +21,9 @@ use std::str::FromStr;
 use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion};
 
 use super::check::Soundness;
+use super::hull::{convex_hull, smallest_rectangle};
 use super::mesh::Mesh;
-use crate::geom::{Point, Point2, Vector, xy};
+use crate::geom::{Point, Vector, xy};
 
 /// An axis of the part file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -372,125 +373,6 @@ fn rectangle(mesh: &Mesh, turn: &Matrix3<f64>) -> (f64, f64, f64) {
     let shadow = |p: &Point| xy(&Point::from(turn * p.coords));
     let hull = convex_hull(mesh.triangles.iter().flatten().map(shadow));
     smallest_rectangle(&hull)
-}
-
-/// Cross product of the two displacements from `o`.
-fn cross(o: &Point2, a: &Point2, b: &Point2) -> f64 {
-    (a.x - o.x) * (b.y - o.y) - (a.y - o.y) * (b.x - o.x)
-}
-
-/// The convex hull, counter-clockwise, no three corners in line. Two passes over the points, then a sort of those outside the
-/// polygon of the extremes in eight directions: for a rectangular part that leaves a handful.
-pub fn convex_hull(points: impl Iterator<Item = Point2> + Clone) -> Vec<Point2> {
-    let directions = [
-        (1, 0),
-        (1, 1),
-        (0, 1),
-        (-1, 1),
-        (-1, 0),
-        (-1, -1),
-        (0, -1),
-        (1, -1),
-    ]
-    .map(|(x, y)| (f64::from(x), f64::from(y)));
-    let mut extremes: [Option<(f64, Point2)>; 8] = [None; 8];
-    for p in points.clone() {
-        for (e, (x, y)) in extremes.iter_mut().zip(directions) {
-            let d = p.x * x + p.y * y;
-            if e.is_none_or(|(best, _)| d > best) {
-                *e = Some((d, p));
-            }
-        }
-    }
-    let octagon: Vec<Point2> = extremes.iter().flatten().map(|(_, p)| *p).collect();
-    let inside = |p: &Point2| {
-        (0..octagon.len()).all(|i| {
-            let (a, b) = (&octagon[i], &octagon[(i + 1) % octagon.len()]);
-            a == b || cross(a, b, p) > 0.0
-        })
-    };
-    let mut left: Vec<Point2> = points.filter(|p| !inside(p)).collect();
-    left.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
-    left.dedup();
-    if left.len() < 3 {
-        return left;
-    }
-    // Lower chain, then upper chain.
-    let mut hull: Vec<Point2> = Vec::new();
-    for pass in 0..2 {
-        let start = hull.len();
-        let mut step = |p: Point2| {
-            while hull.len() >= start + 2
-                && cross(&hull[hull.len() - 2], &hull[hull.len() - 1], &p) <= 0.0
-            {
-                hull.pop();
-            }
-            hull.push(p);
-        };
-        if pass == 0 {
-            left.iter().for_each(|p| step(*p));
-        } else {
-            left.iter().rev().for_each(|p| step(*p));
-        }
-        hull.pop();
-    }
-    hull
-}
-
-/// Rotating calipers: a smallest rectangle has a side along a hull edge. Long side, short side, direction of the long side in
-/// (-pi/2, pi/2]. Among rectangles equal within a millionth the one nearest to the axes wins.
-pub fn smallest_rectangle(hull: &[Point2]) -> (f64, f64, f64) {
-    let n = hull.len();
-    if n < 3 {
-        // A shadow that is a line, or a point.
-        return match hull {
-            [a, b] => ((b - a).norm(), 0.0, ((b.y - a.y) / (b.x - a.x)).atan()),
-            _ => (0.0, 0.0, 0.0),
-        };
-    }
-    let at = |i: usize| hull[i % n].coords;
-    let mut all = Vec::with_capacity(n);
-    let (mut far, mut top, mut near) = (1, 1, 1);
-    for i in 0..n {
-        let u = (at(i + 1) - at(i)).normalize();
-        let v = nalgebra::Vector2::new(-u.y, u.x);
-        let along = |k: usize, d: &nalgebra::Vector2<f64>| at(k).dot(d);
-        // Each pointer only moves on, and at most once round.
-        far = far.max(i + 1);
-        while far < i + n && along(far + 1, &u) > along(far, &u) {
-            far += 1;
-        }
-        top = top.max(far);
-        while top < i + n && along(top + 1, &v) > along(top, &v) {
-            top += 1;
-        }
-        near = near.max(top);
-        while near < i + n && along(near + 1, &u) < along(near, &u) {
-            near += 1;
-        }
-        let (w, h) = (
-            along(far, &u) - along(near, &u),
-            along(top, &v) - along(i, &v),
-        );
-        let direction = if h > w { v } else { u };
-        let mut angle = direction.y.atan2(direction.x);
-        if angle <= -FRAC_PI_2 {
-            angle += PI;
-        } else if angle > FRAC_PI_2 {
-            angle -= PI;
-        }
-        all.push((w.max(h), w.min(h), angle));
-    }
-    let least = all.iter().map(|r| r.0 * r.1).fold(f64::INFINITY, f64::min);
-    let off_axis = |angle: f64| (angle - FRAC_PI_2 * (angle / FRAC_PI_2).round()).abs();
-    all.into_iter()
-        .filter(|r| r.0 * r.1 <= least * (1.0 + 1e-6) + f64::MIN_POSITIVE)
-        .min_by(|a, b| {
-            off_axis(a.2)
-                .total_cmp(&off_axis(b.2))
-                .then(a.2.abs().total_cmp(&b.2.abs()))
-        })
-        .unwrap_or((0.0, 0.0, 0.0))
 }
 
 fn notes_on(

@@ -235,26 +235,6 @@ fn nothing_is_refused() {
     }
 }
 
-#[test]
-fn rectangle_of_known_hulls() {
-    let p = |x: f64, y: f64| Point2::new(x, y);
-    let tilted: Vec<Point2> = [(0.0, 0.0), (4.0, 3.0), (2.5, 5.0), (-1.5, 2.0), (1.0, 2.0)]
-        .iter()
-        .map(|q| p(q.0, q.1))
-        .collect();
-    let hull = convex_hull(tilted.iter().copied());
-    assert_eq!(hull.len(), 4);
-    let (l, s, a) = smallest_rectangle(&hull);
-    assert!(
-        (l - 5.0).abs() < 1e-12 && (s - 2.5).abs() < 1e-12 && (a - 0.75f64.atan()).abs() < 1e-12
-    );
-    assert_eq!(smallest_rectangle(&[p(1.0, 1.0)]), (0.0, 0.0, 0.0));
-    assert_eq!(
-        smallest_rectangle(&convex_hull([p(0.0, 0.0), p(0.0, 2.0)].into_iter())),
-        (2.0, 0.0, FRAC_PI_2)
-    );
-}
-
 proptest! {
     /// Whatever the motion, the sheet comes back level with its long side along X, and the isometry is the motion made.
     #[test]
@@ -271,43 +251,5 @@ proptest! {
         let n: Vector = p.mesh.triangles.iter().map(Mesh::doubled_area_vector).sum();
         prop_assert!(n.normalize().z > 1.0 - 1e-9);
         prop_assert!(p.notes.is_empty());
-    }
-
-    /// Every point is inside the hull; the rectangle is no larger than the axis-aligned box and no smaller than the hull.
-    #[test]
-    fn hull_and_rectangle_hold(points in proptest::collection::vec((-9i8..9, -9i8..9), 1..60)) {
-        let points: Vec<Point2> = points.iter().map(|q| Point2::new(q.0.into(), q.1.into())).collect();
-        let hull = convex_hull(points.iter().copied());
-        let n = hull.len();
-        let mut area2 = 0.0;
-        if n >= 3 {
-            for i in 0..n {
-                let (a, b) = (&hull[i], &hull[(i + 1) % n]);
-                prop_assert!(points.iter().all(|p| cross(a, b, p) >= 0.0));
-                prop_assert!(cross(a, b, &hull[(i + 2) % n]) > 0.0);
-                area2 += a.x * b.y - a.y * b.x;
-            }
-        }
-        let (l, s, angle) = smallest_rectangle(&hull);
-        let fold = |f: fn(&Point2) -> f64| {
-            let v: Vec<f64> = points.iter().map(f).collect();
-            v.iter().copied().fold(f64::MIN, f64::max) - v.iter().copied().fold(f64::MAX, f64::min)
-        };
-        prop_assert!(l >= s && s >= 0.0 && angle.abs() <= FRAC_PI_2);
-        prop_assert!(l * s <= fold(|p| p.x) * fold(|p| p.y) + 1e-9);
-        prop_assert!(l * s >= area2 / 2.0 - 1e-9);
-        // The brute-force minimum over all hull edges.
-        if n >= 3 {
-            let best = (0..n).map(|i| {
-                let u = (hull[(i + 1) % n] - hull[i]).normalize();
-                let v = nalgebra::Vector2::new(-u.y, u.x);
-                let span = |d: &nalgebra::Vector2<f64>| {
-                    let t: Vec<f64> = hull.iter().map(|p| p.coords.dot(d)).collect();
-                    t.iter().copied().fold(f64::MIN, f64::max) - t.iter().copied().fold(f64::MAX, f64::min)
-                };
-                span(&u) * span(&v)
-            }).fold(f64::MAX, f64::min);
-            prop_assert!((l * s - best).abs() <= 2e-6 * best + 1e-9, "{} {}", l * s, best);
-        }
     }
 }

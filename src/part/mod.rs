@@ -4,13 +4,16 @@
 //! [`Soundness`], [`Placement`]. Knows nothing of tools.
 
 pub mod check;
+pub mod error;
 pub mod frame;
+pub mod hull;
 pub mod load;
 pub mod mesh;
 pub mod obj;
 pub mod stl;
 
 pub use check::{Soundness, check};
+pub use error::PartError;
 pub use frame::{Frame, Origin, PlaceError, PlaceOptions, Placement, Up, place};
-pub use load::{Format, Loaded, PartError, Units, from_bytes, load};
+pub use load::{Format, Loaded, Units, from_bytes, load};
 pub use mesh::Mesh;

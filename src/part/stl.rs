@@ -256,6 +256,37 @@ impl<'a> Text<'a> {
         }
     }
 
+    /// Leaves the name unread: the rest of the line, or what stands before "facet normal" where a whole solid is one line.
+    fn skip_name(&mut self) {
+        loop {
+            while self
+                .bytes
+                .get(self.at)
+                .is_some_and(|b| matches!(b, b' ' | b'\t' | 0x0b | 0x0c))
+            {
+                self.at += 1;
+            }
+            let (at, line, line_start) = (self.at, self.line, self.line_start);
+            match self.bytes.get(self.at) {
+                None => return,
+                Some(b'\n' | b'\r') => return self.newline(),
+                Some(_) => {}
+            }
+            let is =
+                |w: Option<&[u8]>, word: &[u8]| w.is_some_and(|w| w.eq_ignore_ascii_case(word));
+            let begins =
+                is(self.take(), b"facet") && self.line == line && is(self.peek(), b"normal");
+            if begins {
+                (self.at, self.line, self.line_start) = (at, line, line_start);
+                return;
+            }
+            // Looking at the word after may have gone to another line.
+            if self.line != line {
+                return;
+            }
+        }
+    }
+
     fn word(&mut self, expected: &'static str, ended: &'static str) -> Result<(), StlError> {
         let found = self.take().ok_or(StlError::Ended(ended, self.line))?;
         if found.eq_ignore_ascii_case(expected.as_bytes()) {
@@ -308,7 +339,7 @@ fn read_ascii(mut text: Text<'_>) -> Result<StlRead, StlError> {
     let mut solids = 0usize;
     while text.peek().is_some() {
         text.word("solid", FACET_END)?;
-        text.skip_line();
+        text.skip_name();
         solids += 1;
         loop {
             let word = text
@@ -472,6 +503,11 @@ mod tests {
                 3,
             ),
             ("solid nothing\nendsolid nothing".to_string(), 0),
+            (
+                format!("solid a facet {}endsolid a", FACET_TEXT.replace('\n', " ")),
+                1,
+            ),
+            (format!("solid facet\x0b \n{FACET_TEXT}endsolid facet"), 1),
         ] {
             let r = ascii(&text).unwrap();
             assert!(!r.binary);

@@ -3,8 +3,8 @@
 use super::PictureError;
 use super::canvas::{Align, Canvas};
 use super::color::{self, Rgb};
+use super::panel::{clip, heading, scale_bar};
 use super::raster::Raster;
-use super::scene::{clip, heading, scale_bar};
 use crate::geom::Point2;
 
 /// Where the tool went into the part.

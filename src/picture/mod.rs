@@ -10,6 +10,7 @@
 pub mod canvas;
 pub mod color;
 pub mod heat;
+mod panel;
 pub mod raster;
 pub mod relief;
 pub mod scene;

@@ -153,7 +153,14 @@ fn run(
         bytes: report.program.bytes,
         ..figures
     };
-    if moves.is_empty() {
+    if program.events.is_empty() {
+        report.problems.push(Problem {
+            kind: Kind::Nothing,
+            line: None,
+            text: "nothing in this text makes the machine do anything: is it the right file?"
+                .into(),
+        });
+    } else if moves.is_empty() {
         report.warnings.push(Problem {
             kind: Kind::Nothing,
             line: None,

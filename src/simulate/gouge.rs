@@ -3,7 +3,7 @@
 use super::depth::Depth;
 use super::dry_run::PartContext;
 use super::material::Move;
-use crate::geom::Point;
+use crate::geom::{Box3, Point, Vector};
 use crate::reach::Hint;
 use rayon::prelude::*;
 
@@ -35,6 +35,37 @@ struct Suspect {
     line: usize,
 }
 
+/// Those of the places 0 to n along a move (from `a`, by `d` in all) where the ball may be over the part: a program may wander
+/// kilometres beside it.
+fn over(
+    bounds: &Box3,
+    radius: f64,
+    a: &Point,
+    d: &Vector,
+    n: usize,
+) -> std::ops::RangeInclusive<usize> {
+    let (mut from, mut to) = (0.0f64, 1.0f64);
+    for k in 0..2 {
+        let (lo, hi) = (bounds.min[k] - radius - a[k], bounds.max[k] + radius - a[k]);
+        if d[k] == 0.0 {
+            if lo > 0.0 || hi < 0.0 {
+                to = -1.0;
+            }
+        } else {
+            let (p, q) = (lo / d[k], hi / d[k]);
+            from = from.max(p.min(q));
+            to = to.min(p.max(q));
+        }
+    }
+    if from > to {
+        // Empty.
+        return 1..=0;
+    }
+    let n = n as f64;
+    // One more at each end for rounding.
+    ((from * n).floor() - 1.0).max(0.0) as usize..=((to * n).ceil() + 1.0).min(n) as usize
+}
+
 /// The deepest gouge of all moves; `None` when no centre lies lower than the ball can rest.
 pub fn deepest(moves: &[Move], part: &PartContext) -> Option<Gouge> {
     let radius = part.drop.radius();
@@ -52,7 +83,7 @@ pub fn deepest(moves: &[Move], part: &PartContext) -> Option<Gouge> {
                 let d = b - a;
                 let n = (d.norm() / STEP).ceil().clamp(1.0, 1e7) as usize;
                 let mut kept: Option<(Suspect, Suspect)> = None;
-                for k in 0..=n {
+                for k in over(&part.drop.bounds(), radius, &a, &d, n) {
                     let c = if k == n {
                         b
                     } else {

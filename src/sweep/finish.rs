@@ -124,11 +124,24 @@ pub fn finish(
     options: &FinishOptions,
 ) -> Result<Finish, FinishError> {
     let lattice = reach.lattice;
-    if swept.lattice != lattice || swept.z.len() != reach.reach_z.len() {
+    let n = lattice.len();
+    if swept.lattice != lattice
+        || swept.z.len() != n
+        || [
+            reach.reach_z.len(),
+            reach.part_z.len(),
+            reach.by.len(),
+            reach.normal_z.len(),
+        ] != [n; 4]
+    {
         return Err(FinishError::Lattice);
     }
     let radius = reach.radius;
-    let paths = Paths::new(segments, 0.25 * radius);
+    let asked = (
+        lattice.center(0, 0),
+        lattice.center(lattice.nx.max(1) - 1, lattice.ny.max(1) - 1),
+    );
+    let paths = Paths::new(segments, 0.25 * radius, asked);
     let limit = radius + options.uncut_above;
     let judged = |i: usize| !reach.part_z[i].is_nan() && reach.reach_z[i].is_finite();
     let cells: Vec<(f32, f32)> = (0..lattice.len())
@@ -144,18 +157,20 @@ pub fn finish(
             if reach.reach_z[i] - reach.part_z[i] < 1e-3 {
                 n = n.max(1.0 / stretch(reach, i));
             }
+            // The ball that reaches the cell best has its centre where a pass should have put one.
+            let expected = lattice.center_at(reach.by[i] as usize);
             let mut cusp = (z - reach.reach_z[i]) * n;
             if z == f64::INFINITY {
                 cusp = f64::INFINITY;
             }
             if cusp > 0.8 * options.scallop {
                 let p = Point::new(q.x, q.y, reach.reach_z[i]);
-                cusp = paths.distance(&p, limit) - radius;
+                cusp = paths.distance(&p, limit, &expected) - radius;
             }
             let mut gouge = 0.0;
             if (reach.part_z[i] - z) * n > GOUGE_SEEN {
                 let p = Point::new(q.x, q.y, reach.part_z[i]);
-                gouge = (radius - paths.distance(&p, radius)).max(0.0);
+                gouge = (radius - paths.distance(&p, radius, &expected)).max(0.0);
             }
             (cusp.max(0.0) as f32, gouge as f32)
         })

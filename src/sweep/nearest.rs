@@ -12,7 +12,7 @@ use crate::sweep::Segment;
 /// Segments of ball centres sorted into square buckets in plan. Work coordinates, mm.
 #[derive(Clone, Debug)]
 pub struct Paths {
-    segments: Vec<Segment>,
+    curtains: Vec<Curtain>,
     origin: Point2,
     size: f64,
     nx: usize,
@@ -26,7 +26,9 @@ pub struct Paths {
 
 impl Paths {
     /// Sorts segments; non-finite ones are left out. `size` is the side of a bucket, mm: a few times the spacing of passes.
-    pub fn new(segments: &[Segment], size: f64) -> Paths {
+    /// `asked` is the area (two corners) that holds all places that will be asked about: buckets are spent on it alone, however
+    /// far a program wanders.
+    pub fn new(segments: &[Segment], size: f64, asked: (Point2, Point2)) -> Paths {
         let segments: Vec<Segment> = segments
             .iter()
             .filter(|s| s.from.iter().chain(s.to.iter()).all(|v| v.is_finite()))
@@ -38,24 +40,18 @@ impl Paths {
             min = min.inf(&p.xy());
             max = max.sup(&p.xy());
         }
-        let wide = if segments.is_empty() {
-            0.0
-        } else {
-            (max.x - min.x).max(max.y - min.y)
-        };
+        // What lies beyond goes into the buckets at the rim: they are nearer to any place asked about than it is.
+        let min = min.sup(&asked.0).inf(&asked.1);
+        let max = max.inf(&asked.1).sup(&min);
+        let wide = (max.x - min.x).max(max.y - min.y);
         // At most some 4 million buckets.
         let size = size.max(wide / 2000.0).max(1e-6);
-        let (nx, ny) = if segments.is_empty() {
-            min = Point2::origin();
-            (1, 1)
-        } else {
-            (
-                ((max.x - min.x) / size) as usize + 1,
-                ((max.y - min.y) / size) as usize + 1,
-            )
-        };
+        let (nx, ny) = (
+            ((max.x - min.x) / size) as usize + 1,
+            ((max.y - min.y) / size) as usize + 1,
+        );
         let mut paths = Paths {
-            segments,
+            curtains: segments.iter().map(Curtain::above).collect(),
             origin: min,
             size,
             nx,
@@ -65,7 +61,7 @@ impl Paths {
             low: vec![f64::INFINITY; nx * ny],
         };
         let mut count = vec![0u32; nx * ny];
-        for s in &paths.segments {
+        for s in &segments {
             paths.buckets_of(s, |b| count[b] += 1);
         }
         let mut sum = 0u32;
@@ -75,7 +71,7 @@ impl Paths {
         }
         let mut members = vec![0u32; sum as usize];
         let mut at = paths.starts.clone();
-        for (i, s) in paths.segments.iter().enumerate() {
+        for (i, s) in segments.iter().enumerate() {
             paths.buckets_of(s, |b| {
                 members[at[b] as usize] = i as u32;
                 at[b] += 1;
@@ -84,7 +80,7 @@ impl Paths {
         let mut low = vec![f64::INFINITY; nx * ny];
         for (b, low) in low.iter_mut().enumerate() {
             for &i in &members[paths.starts[b] as usize..paths.starts[b + 1] as usize] {
-                let s = &paths.segments[i as usize];
+                let s = &segments[i as usize];
                 *low = low.min(s.from.z).min(s.to.z);
             }
         }
@@ -95,7 +91,7 @@ impl Paths {
 
     /// True when there is no segment.
     pub fn is_empty(&self) -> bool {
-        self.segments.is_empty()
+        self.curtains.is_empty()
     }
 
     fn bucket(&self, v: f64, origin: f64, n: usize) -> usize {
@@ -113,8 +109,14 @@ impl Paths {
         {
             // The part of the segment in this row of buckets, a little more for rounding.
             let pad = 1e-6 * self.size;
-            let lo = self.origin.y + by as f64 * self.size - pad;
-            let hi = lo + self.size + 2.0 * pad;
+            let mut lo = self.origin.y + by as f64 * self.size - pad;
+            let mut hi = lo + self.size + 2.0 * pad;
+            if by == 0 {
+                lo = f64::NEG_INFINITY;
+            }
+            if by + 1 == self.ny {
+                hi = f64::INFINITY;
+            }
             let at = |y: f64| {
                 if b.y > a.y {
                     a.x + (b.x - a.x) * ((y - a.y) / (b.y - a.y)).clamp(0.0, 1.0)
@@ -138,93 +140,121 @@ impl Paths {
     }
 
     /// Distance from a point to the nearest curtain, mm; `+inf` when none comes as near as `limit`. Below one radius: the point
-    /// is cut away.
-    pub fn distance(&self, p: &Point, limit: f64) -> f64 {
-        let mut best = limit;
-        let mut found = false;
+    /// is cut away. `expected` is where in plan the nearest centre may be: a good guess is quick, a bad one is only slower.
+    pub fn distance(&self, p: &Point, limit: f64, expected: &Point2) -> f64 {
         if self.is_empty() {
             return f64::INFINITY;
         }
-        let (cx, cy) = (
-            ((p.x - self.origin.x) / self.size).floor(),
-            ((p.y - self.origin.y) / self.size).floor(),
-        );
-        // Rings of buckets around the point's own (which may lie outside the sorted area).
-        let mut ring = 0.0f64;
-        loop {
-            // All of ring k is at least (k - 1) sizes away, plus what is left of the own bucket: be modest.
-            if (ring - 1.0) * self.size > best {
-                break;
+        let mut near = Near {
+            best_sq: limit * limit,
+            found: false,
+        };
+        let guess = self.bucket(expected.y, self.origin.y, self.ny) * self.nx
+            + self.bucket(expected.x, self.origin.x, self.nx);
+        self.look(guess, p, &mut near);
+        // Nothing in a bucket is nearer than its box, which begins at its lowest centre.
+        let gap_sq = |v: f64, first: f64| {
+            let gap = (first - v).max(v - first - self.size) - 1e-5 * self.size;
+            gap.max(0.0).powi(2)
+        };
+        let within = near.best_sq.sqrt() + 1e-4 * self.size;
+        let columns = self.bucket(p.x - within, self.origin.x, self.nx)
+            ..=self.bucket(p.x + within, self.origin.x, self.nx);
+        for by in self.bucket(p.y - within, self.origin.y, self.ny)
+            ..=self.bucket(p.y + within, self.origin.y, self.ny)
+        {
+            let dy_sq = gap_sq(p.y, self.origin.y + by as f64 * self.size);
+            if dy_sq > near.best_sq {
+                continue;
             }
-            let y0 = (cy - ring).max(0.0);
-            let y1 = (cy + ring).min(self.ny as f64 - 1.0);
-            let mut y = y0;
-            while y <= y1 {
-                let edge = (y - cy).abs() == ring;
-                let mut look = |x: f64| {
-                    if x < 0.0 || x >= self.nx as f64 {
-                        return;
-                    }
-                    let b = y as usize * self.nx + x as usize;
-                    // Nothing in this bucket is nearer than its box, which begins at its lowest centre.
-                    let gap = |v: f64, first: f64| {
-                        (first - v).max(v - first - self.size).max(0.0) - 1e-5 * self.size
-                    };
-                    let dx = gap(p.x, self.origin.x + x * self.size).max(0.0);
-                    let dy = gap(p.y, self.origin.y + y * self.size).max(0.0);
-                    let dz = (self.low[b] - p.z).max(0.0);
-                    if dx * dx + dy * dy + dz * dz > best * best {
-                        return;
-                    }
-                    for &i in &self.members[self.starts[b] as usize..self.starts[b + 1] as usize] {
-                        let d = curtain_distance(&self.segments[i as usize], p);
-                        if d <= best {
-                            best = d;
-                            found = true;
-                        }
-                    }
-                };
-                if edge {
-                    let mut x = (cx - ring).max(0.0);
-                    while x <= (cx + ring).min(self.nx as f64 - 1.0) {
-                        look(x);
-                        x += 1.0;
-                    }
-                } else {
-                    look(cx - ring);
-                    look(cx + ring);
+            for bx in columns.clone() {
+                let b = by * self.nx + bx;
+                let dz = (self.low[b] - p.z).max(0.0);
+                let dx_sq = gap_sq(p.x, self.origin.x + bx as f64 * self.size);
+                if b != guess && dx_sq + dy_sq + dz * dz <= near.best_sq {
+                    self.look(b, p, &mut near);
                 }
-                y += 1.0;
             }
-            ring += 1.0;
         }
-        if found { best } else { f64::INFINITY }
+        if near.found {
+            near.best_sq.sqrt()
+        } else {
+            f64::INFINITY
+        }
+    }
+
+    #[inline]
+    fn look(&self, bucket: usize, p: &Point, near: &mut Near) {
+        for &i in &self.members[self.starts[bucket] as usize..self.starts[bucket + 1] as usize] {
+            let d_sq = self.curtains[i as usize].distance_sq(p);
+            if d_sq <= near.best_sq {
+                near.best_sq = d_sq;
+                near.found = true;
+            }
+        }
+    }
+}
+
+/// The nearest so far.
+struct Near {
+    best_sq: f64,
+    found: bool,
+}
+
+/// The vertical strip above one segment, with what every distance to it needs.
+#[derive(Clone, Copy, Debug)]
+struct Curtain {
+    from: Point,
+    /// Direction in plan; zero for an upright segment.
+    ux: f64,
+    uy: f64,
+    /// Length in plan, and rise.
+    plan: f64,
+    rise: f64,
+    slope: f64,
+    length_sq: f64,
+}
+
+impl Curtain {
+    fn above(s: &Segment) -> Curtain {
+        let d = s.to - s.from;
+        let plan = (d.x * d.x + d.y * d.y).sqrt();
+        let upright = plan < 1e-12;
+        let per_plan = |v: f64| if upright { 0.0 } else { v / plan };
+        Curtain {
+            from: s.from,
+            ux: per_plan(d.x),
+            uy: per_plan(d.y),
+            plan: if upright { 0.0 } else { plan },
+            rise: d.z,
+            slope: per_plan(d.z),
+            length_sq: plan * plan + d.z * d.z,
+        }
+    }
+
+    fn distance_sq(&self, p: &Point) -> f64 {
+        let r = p - self.from;
+        if self.plan == 0.0 {
+            let below = (self.rise.min(0.0) - r.z).max(0.0);
+            return r.x * r.x + r.y * r.y + below * below;
+        }
+        let a = self.ux * r.x + self.uy * r.y;
+        let b = self.ux * r.y - self.uy * r.x;
+        if a >= 0.0 && a <= self.plan && r.z >= self.slope * a {
+            return b * b;
+        }
+        // In the plane of the curtain: the lower edge, or one of the upright edges.
+        let t = ((a * self.plan + r.z * self.rise) / self.length_sq).clamp(0.0, 1.0);
+        let edge = (a - t * self.plan).powi(2) + (r.z - t * self.rise).powi(2);
+        let first = a * a + (-r.z).max(0.0).powi(2);
+        let last = (a - self.plan).powi(2) + (self.rise - r.z).max(0.0).powi(2);
+        b * b + edge.min(first).min(last)
     }
 }
 
 /// Distance from a point to the vertical curtain above one segment, mm.
 pub fn curtain_distance(s: &Segment, p: &Point) -> f64 {
-    let d = s.to - s.from;
-    let plan = d.x.hypot(d.y);
-    let r = p - s.from;
-    if plan < 1e-12 {
-        let below = (s.from.z.min(s.to.z) - p.z).max(0.0);
-        return (r.x * r.x + r.y * r.y + below * below).sqrt();
-    }
-    let (ux, uy) = (d.x / plan, d.y / plan);
-    let a = ux * r.x + uy * r.y;
-    let b = ux * r.y - uy * r.x;
-    let slope = d.z / plan;
-    let inside = (0.0..=plan).contains(&a) && r.z >= slope * a;
-    if inside {
-        return b.abs();
-    }
-    // In the plane of the curtain: the lower edge, or one of the upright edges.
-    let t = ((a * plan + r.z * d.z) / (plan * plan + d.z * d.z)).clamp(0.0, 1.0);
-    let edge = (a - t * plan).powi(2) + (r.z - t * d.z).powi(2);
-    let first = a * a + (-r.z).max(0.0).powi(2);
-    let last = (a - plan).powi(2) + (d.z - r.z).max(0.0).powi(2);
-    (b * b + edge.min(first).min(last)).sqrt()
+    Curtain::above(s).distance_sq(p).sqrt()
 }
 
 #[cfg(test)]
@@ -232,6 +262,10 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
     use proptest::prelude::*;
+
+    fn corner(v: f64) -> Point2 {
+        Point2::new(v, v)
+    }
 
     fn point(s: f64) -> impl Strategy<Value = Point> {
         (-s..s, -s..s, -s..s).prop_map(|(x, y, z)| Point::new(x, y, z))
@@ -254,10 +288,22 @@ mod tests {
         }
 
         #[test]
-        fn sorted_equals_plain(points in prop::collection::vec(point(6.0), 2..30), p in point(9.0), size in 0.2..3.0f64, limit in 0.1..6.0f64) {
+        fn sorted_equals_plain(points in prop::collection::vec(point(6.0), 2..30), p in point(9.0), size in 0.2..3.0f64, limit in 0.1..6.0f64, guess in point(12.0)) {
             let s: Vec<Segment> = points.windows(2).map(|w| Segment { from: w[0], to: w[1] }).collect();
             let want = s.iter().map(|s| curtain_distance(s, &p)).fold(f64::INFINITY, f64::min);
-            let got = Paths::new(&s, size).distance(&p, limit);
+            let got = Paths::new(&s, size, (corner(-9.0), corner(9.0))).distance(&p, limit, &guess.xy());
+            if want <= limit { prop_assert_eq!(got, want) } else { prop_assert_eq!(got, f64::INFINITY) }
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
+        /// Buckets on a small area, segments far beyond it: the answers inside the area are the same.
+        #[test]
+        fn segments_beyond_the_area(points in prop::collection::vec(point(60.0), 2..30), p in point(2.0), size in 0.2..3.0f64, limit in 0.1..40.0f64) {
+            let s: Vec<Segment> = points.windows(2).map(|w| Segment { from: w[0], to: w[1] }).collect();
+            let want = s.iter().map(|s| curtain_distance(s, &p)).fold(f64::INFINITY, f64::min);
+            let got = Paths::new(&s, size, (corner(-2.0), corner(2.0))).distance(&p, limit, &p.xy());
             if want <= limit { prop_assert_eq!(got, want) } else { prop_assert_eq!(got, f64::INFINITY) }
         }
     }
@@ -265,11 +311,14 @@ mod tests {
     #[test]
     fn no_paths_no_distance() {
         let p = Point::new(0.0, 0.0, 0.0);
-        assert_eq!(Paths::new(&[], 1.0).distance(&p, 5.0), f64::INFINITY);
+        assert_eq!(
+            Paths::new(&[], 1.0, (corner(0.0), corner(1.0))).distance(&p, 5.0, &p.xy()),
+            f64::INFINITY
+        );
         let broken = Segment {
             from: p,
             to: Point::new(f64::NAN, 0.0, 0.0),
         };
-        assert!(Paths::new(&[broken], 1.0).is_empty());
+        assert!(Paths::new(&[broken], 1.0, (corner(0.0), corner(1.0))).is_empty());
     }
 }
