@@ -165,6 +165,8 @@ struct MillJson<'a> {
     post: &'a str,
     grid_step_mm: f64,
     persistence_mm: f64,
+    spaced_for_um: f64,
+    planned_memory_mib: u64,
     critical_points: CriticalJson,
     features: Vec<FeatureJson>,
     strategies: Vec<StrategyJson>,
@@ -305,7 +307,9 @@ pub fn run(a: &MillArgs) -> Result<ExitCode, Failure> {
         let (name, words) = show::stage_words(at);
         progress.borrow_mut().stage(name, words);
     };
+    let mut planned_bytes = 0;
     let mut announce = |g: &crate::reach::GridPlan, bytes: u64| {
+        planned_bytes = bytes;
         progress.borrow().note(format!(
             "tool-centre grid {} x {} nodes of {:.3} mm, planning takes about {} MiB",
             g.size[0],
@@ -377,6 +381,7 @@ pub fn run(a: &MillArgs) -> Result<ExitCode, Failure> {
         &verdict,
         &deviation,
         features.clone(),
+        planned_bytes,
         seconds,
     );
     if let Some(file) = &a.json {
@@ -510,6 +515,7 @@ fn mill_json<'a>(
     verdict: &'a DryRun,
     deviation: &Deviation,
     features: Vec<FeatureJson>,
+    planned_bytes: u64,
     seconds: BTreeMap<&'static str, f64>,
 ) -> MillJson<'a> {
     MillJson {
@@ -521,6 +527,8 @@ fn mill_json<'a>(
         post: &s.post.name,
         grid_step_mm: ground.grid.step,
         persistence_mm: ground.persistence,
+        spaced_for_um: planned.spaced_for * 1e3,
+        planned_memory_mib: planned_bytes >> 20,
         critical_points: show::critical_json(&ground.critical),
         features,
         strategies: vec![StrategyJson {
