@@ -1,6 +1,6 @@
 //! Ground that no critical point claimed: slivers join a neighbour, strips are cut along their borders, wide pieces from one tip.
 
-use super::grow::{FAR, Ground};
+use super::ground::{FAR, Ground};
 use super::region::{Feature, FeatureKind, Window};
 use crate::reach::NodeKind;
 

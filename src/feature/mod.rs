@@ -3,9 +3,11 @@
 //! Crosses the border: critical points, a ruler and the grid in; [`Regions`] out, each [`Feature`] with its own field and the levels
 //! to cut. Leaves the cutter to `reach`, and knows nothing of machines or moves.
 
+pub mod ground;
 pub mod grow;
 pub mod leftover;
 pub mod region;
 
-pub use grow::{GrowOptions, grow};
+pub use ground::GrowOptions;
+pub use grow::grow;
 pub use region::{Feature, FeatureKind, Regions, Window};
