@@ -7,8 +7,8 @@
 
 use super::cancel::{peaks, pits};
 use super::critical::{CriticalKind, CriticalPoint, Link, Scalar, classify};
-use crate::geom::Point;
-use crate::reach::{NodeKind, ToolCentreGrid};
+use crate::geom::{Point, Vector};
+use crate::reach::{Crossing, NodeKind, ToolCentreGrid};
 use nalgebra::{SMatrix, SVector};
 
 /// What counts as a critical point.
@@ -48,15 +48,13 @@ impl HeightField {
         off.sort_unstable_by(f64::total_cmp);
         // The median of |x| of a normal distribution is 0.6745 standard deviations.
         let roughness = off.get(off.len() / 2).map_or(0.0, |m| m / 0.6745);
-        let mut nearest: Vec<f64> = vec![f64::INFINITY; grid.len()];
+        let near = Nearby::new(grid);
         for (c, z) in grid.crossings.iter().zip(smooth) {
             let o = c.outside as usize;
-            let q = grid.xy(o);
-            let d = (c.contact.center.x - q.x).hypot(c.contact.center.y - q.y);
-            active[o] = true;
-            if d < nearest[o] {
-                nearest[o] = d;
-                value[o] = z;
+            // Several crossings lead to the same node.
+            if !active[o] {
+                active[o] = true;
+                value[o] = near.height_at(grid, o).unwrap_or(z);
             }
         }
         HeightField {
@@ -69,6 +67,77 @@ impl HeightField {
 
 /// How far along the border its heights are evened out, in steps of the grid: about a stepover.
 const BORDER_REACH: f64 = 5.0;
+
+/// Border crossings by place of the ball's centre.
+struct Nearby {
+    reach: f64,
+    places: Vec<(i64, i64, u32)>,
+}
+
+impl Nearby {
+    fn new(grid: &ToolCentreGrid) -> Nearby {
+        let reach = BORDER_REACH * grid.step;
+        let cell = |v: f64| (v / reach).floor() as i64;
+        let mut places: Vec<_> = (0u32..)
+            .zip(&grid.crossings)
+            .map(|(i, c)| (cell(c.contact.center.y), cell(c.contact.center.x), i))
+            .collect();
+        places.sort_unstable();
+        Nearby { reach, places }
+    }
+
+    /// Height of the border at a node beyond it: that of a plane fitted to the contacts' heights over the places of the centres round
+    /// about. The height of the nearest crossing alone would be a staircase, for the border crosses the grid's edges at uneven places,
+    /// and each step of it a false pit as deep as the border falls in one step.
+    fn height_at(&self, grid: &ToolCentreGrid, node: usize) -> Option<f64> {
+        let q = grid.xy(node);
+        let (cx, cy) = (
+            (q.x / self.reach).floor() as i64,
+            (q.y / self.reach).floor() as i64,
+        );
+        let mut near: Vec<[f64; 4]> = Vec::new();
+        for y in cy - 1..=cy + 1 {
+            let from = self.places.partition_point(|p| (p.0, p.1) < (y, cx - 1));
+            let row = self.places[from..]
+                .iter()
+                .take_while(|p| p.0 == y && p.1 <= cx + 1);
+            for &(_, _, i) in row {
+                let c = &grid.crossings[i as usize].contact;
+                let (u, v) = (
+                    (c.center.x - q.x) / self.reach,
+                    (c.center.y - q.y) / self.reach,
+                );
+                let w = 1.0 - u * u - v * v;
+                if w > 0.0 {
+                    near.push([u, v, c.point.z, w]);
+                }
+            }
+        }
+        let sum = |of: &dyn Fn(&[f64; 4]) -> f64| near.iter().map(|d| d[3] * of(d)).sum::<f64>();
+        let n = sum(&|_| 1.0);
+        if n <= 0.0 {
+            return None;
+        }
+        let (mu, mv, mz) = (sum(&|d| d[0]) / n, sum(&|d| d[1]) / n, sum(&|d| d[2]) / n);
+        let uu = sum(&|d| (d[0] - mu) * (d[0] - mu)) / n;
+        let uv = sum(&|d| (d[0] - mu) * (d[1] - mv)) / n;
+        let vv = sum(&|d| (d[1] - mv) * (d[1] - mv)) / n;
+        // Along the border and across it.
+        let turn = 0.5 * (2.0 * uv).atan2(uu - vv);
+        let (c, s) = (turn.cos(), turn.sin());
+        let mut z = mz;
+        for (c, s, doubt) in [(c, s, 1e-6), (-s, c, ACROSS)] {
+            let spread = c * c * uu + 2.0 * c * s * uv + s * s * vv;
+            let lift = sum(&|d| (c * (d[0] - mu) + s * (d[1] - mv)) * (d[2] - mz)) / n;
+            z -= lift / (spread + doubt) * (c * mu + s * mv);
+        }
+        Some(z)
+    }
+}
+
+/// A straight border says nothing of the slope across it, and its centres stray by some tenths of the reach with the facets' normals: a
+/// spread (of squares, in reaches) below this is doubted. At a corner it is far larger.
+const ACROSS: f64 = 0.05;
 
 /// Heights of the border crossings, evened out: at each the value of a plane fitted to the crossings nearby. A ball rolling over a
 /// scanned edge hops from bump to bump; a plane keeps slopes and corners as they are.
@@ -186,8 +255,9 @@ pub fn critical_points(
     out
 }
 
-/// Half width, in steps, of the window a quadratic is fitted over: wide enough to see past the facets of the mesh.
-const WINDOW: i32 = 4;
+/// Half widths, in steps, of the windows a quadratic is fitted over, the best first: wide enough to see past the facets of the mesh, and
+/// a smaller one where the border is near.
+const WINDOWS: [i32; 2] = [8, 4];
 
 /// Places a critical node below the grid's step: inside by a least-squares quadratic of the centre heights round about (smoother than the
 /// contacts, and level at the same place), on the border
@@ -202,7 +272,10 @@ fn refined(
     let (center, contact) = if boundary {
         on_border(grid, kind, node)
     } else {
-        inside(grid, node)
+        WINDOWS
+            .iter()
+            .find_map(|w| inside(grid, node, *w))
+            .unwrap_or((grid.center(node), grid.point[node]))
     };
     CriticalPoint {
         kind,
@@ -214,48 +287,43 @@ fn refined(
     }
 }
 
-fn inside(grid: &ToolCentreGrid, node: usize) -> (Point, Point) {
+fn inside(grid: &ToolCentreGrid, node: usize, window: i32) -> Option<(Point, Point)> {
     let here = grid.center(node);
-    let plain = (here, grid.point[node]);
     let mut ata = SMatrix::<f64, 6, 6>::zeros();
     let mut atb = SVector::<f64, 6>::zeros();
-    let w = WINDOW as f64;
-    for dy in -WINDOW..=WINDOW {
-        for dx in -WINDOW..=WINDOW {
-            let Some(j) = grid.neighbour(node, (dx, dy)) else {
-                return plain;
-            };
-            if grid.kind[j] != NodeKind::Ground {
-                return plain;
-            }
+    let w = window as f64;
+    for dy in -window..=window {
+        for dx in -window..=window {
+            let j = grid
+                .neighbour(node, (dx, dy))
+                .filter(|&j| grid.kind[j] == NodeKind::Ground)?;
             let (u, v) = (dx as f64 / w, dy as f64 / w);
             let row = SVector::<f64, 6>::from([1.0, u, v, u * u, u * v, v * v]);
             ata += row * row.transpose();
             atb += row * (grid.center_z[j] - here.z);
         }
     }
-    let Some(q) = ata.cholesky().map(|c| c.solve(&atb)) else {
-        return plain;
-    };
+    let q = ata.cholesky()?.solve(&atb);
     let det = 4.0 * q[3] * q[5] - q[4] * q[4];
     if det.abs() < 1e-18 {
-        return plain;
+        return None;
     }
     let u = (-2.0 * q[5] * q[1] + q[4] * q[2]) / det;
     let v = (-2.0 * q[3] * q[2] + q[4] * q[1]) / det;
     if !(u.abs() <= 0.75 && v.abs() <= 0.75) {
-        return plain; // the fit sees another place than the link does
+        return None; // the fit sees another place than the link does
     }
     let rise = q[0] + q[1] * u + q[2] * v + q[3] * u * u + q[4] * u * v + q[5] * v * v;
     let scale = w * grid.step;
     let c = Point::new(here.x + u * scale, here.y + v * scale, here.z + rise);
     // Level ground: the ball stands right above the point it touches.
-    (c, Point::new(c.x, c.y, c.z - grid.radius))
+    Some((c, Point::new(c.x, c.y, c.z - grid.radius)))
 }
 
 fn on_border(grid: &ToolCentreGrid, kind: CriticalKind, node: usize) -> (Point, Point) {
     let q = grid.xy(node);
-    let near = 2.5 * grid.step;
+    // The node is where the evened heights are extreme, which may be some steps beside the contacts' own extreme.
+    let near = 6.0 * grid.step;
     let best = grid
         .crossings
         .iter()
@@ -270,7 +338,64 @@ fn on_border(grid: &ToolCentreGrid, kind: CriticalKind, node: usize) -> (Point, 
             if better { b } else { a }
         });
     match best {
-        Some(c) => (c.contact.center, c.contact.point),
+        Some(c) => along_border(grid, kind, c).unwrap_or((c.contact.center, c.contact.point)),
         None => (grid.center(node), grid.point[node]),
     }
+}
+
+/// How far to either side of a border extreme its place is sought, in steps: several facets of a usual mesh, whose own extreme is at
+/// one of their corners.
+const ALONG: f64 = 12.0;
+
+/// The extreme of a parabola fitted to the contacts along a straight piece of border; `None` at corners and bends, where the crossing
+/// itself is the better answer.
+fn along_border(
+    grid: &ToolCentreGrid,
+    kind: CriticalKind,
+    best: &Crossing,
+) -> Option<(Point, Point)> {
+    let at = best.contact.point;
+    let reach = ALONG * grid.step;
+    let near: Vec<(f64, f64, f64)> = grid
+        .crossings
+        .iter()
+        .map(|c| c.contact.point - at)
+        .map(|d| (d.x / reach, d.y / reach, d.z))
+        .filter(|d| d.0 * d.0 + d.1 * d.1 <= 1.0)
+        .collect();
+    let n = near.len() as f64;
+    let mean = |of: &dyn Fn(&(f64, f64, f64)) -> f64| near.iter().map(of).sum::<f64>() / n;
+    let (mx, my) = (mean(&|d| d.0), mean(&|d| d.1));
+    let xx = mean(&|d| (d.0 - mx) * (d.0 - mx));
+    let xy = mean(&|d| (d.0 - mx) * (d.1 - my));
+    let yy = mean(&|d| (d.1 - my) * (d.1 - my));
+    let turn = 0.5 * (2.0 * xy).atan2(xx - yy);
+    let (c, s) = (turn.cos(), turn.sin());
+    let (mut ata, mut atb) = (SMatrix::<f64, 3, 3>::zeros(), SVector::<f64, 3>::zeros());
+    let (mut lo, mut hi) = (0.0f64, 0.0f64);
+    for &(x, y, z) in &near {
+        let (along, off) = (c * x + s * y, c * y - s * x);
+        if off.abs() > 0.05 {
+            return None;
+        }
+        (lo, hi) = (lo.min(along), hi.max(along));
+        let row = SVector::<f64, 3>::from([1.0, along, along * along]);
+        ata += row * row.transpose();
+        atb += row * z;
+    }
+    if lo > -0.8 || hi < 0.8 {
+        return None; // the border ends or turns here
+    }
+    let q = ata.cholesky()?.solve(&atb);
+    let bends = if kind == CriticalKind::Maximum {
+        -q[2]
+    } else {
+        q[2]
+    };
+    let t = -q[1] / (2.0 * q[2]);
+    if !(bends > 0.0 && t.abs() <= 0.75) {
+        return None;
+    }
+    let move_by = Vector::new(c * t * reach, s * t * reach, q[0] + q[1] * t + q[2] * t * t);
+    Some((best.contact.center + move_by, at + move_by))
 }

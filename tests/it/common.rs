@@ -124,12 +124,7 @@ pub fn soup(seed: u64, triangles: usize) -> Mesh {
 }
 
 /// The sheet z = f(x, y) over a rectangle, two triangles a cell.
-pub fn sheet(
-    min: [f64; 2],
-    max: [f64; 2],
-    cells: [usize; 2],
-    z: impl Fn(f64, f64) -> f64,
-) -> Mesh {
+pub fn sheet(min: [f64; 2], max: [f64; 2], cells: [usize; 2], z: impl Fn(f64, f64) -> f64) -> Mesh {
     let at = |i: usize, j: usize| {
         let x = min[0] + (max[0] - min[0]) * i as f64 / cells[0] as f64;
         let y = min[1] + (max[1] - min[1]) * j as f64 / cells[1] as f64;
@@ -166,8 +161,9 @@ pub fn turned(mesh: &Mesh, degrees: f64) -> Mesh {
 /// A mesh with its corners moved up or down by chance, the same corner always alike. `deviation` is a standard deviation, mm.
 pub fn noisy(mesh: &Mesh, deviation: f64, seed: u64) -> Mesh {
     let lift = |p: &Point| {
-        let mut c =
-            Chance(seed ^ p.x.to_bits().rotate_left(17) ^ p.y.to_bits().rotate_left(41) ^ p.z.to_bits());
+        let mut c = Chance(
+            seed ^ p.x.to_bits().rotate_left(17) ^ p.y.to_bits().rotate_left(41) ^ p.z.to_bits(),
+        );
         // Twelve even numbers make a normal one, well enough.
         (0..12).map(|_| c.between(-0.5, 0.5)).sum::<f64>() * deviation
     };
@@ -223,10 +219,7 @@ impl Brute {
         for (i, t) in mesh.triangles.iter().enumerate() {
             let of = |k: usize| {
                 let v = [t[0][k], t[1][k], t[2][k]];
-                (
-                    v[0].min(v[1]).min(v[2]),
-                    v[0].max(v[1]).max(v[2]),
-                )
+                (v[0].min(v[1]).min(v[2]), v[0].max(v[1]).max(v[2]))
             };
             let (x, y, z) = (of(0), of(1), of(2));
             boxes.push([x.0, x.1, y.0, y.1, z.0, z.1]);

@@ -1,12 +1,21 @@
-//! Integration tests, one binary; modules in reading order: shared tools, then the chain from part to program (laws of each stage),
-//! the dry run, the cable, and the whole story through the binary.
+//! Integration tests, one binary; modules in reading order: what they share, the laws of each stage from part to program, the dry run,
+//! the cable, what is refused, and the whole story through the binary.
 
 mod common;
+mod plans;
 
+mod feature;
+mod field;
+mod finish;
+mod morse;
 mod part;
 mod reach;
-mod morse;
+mod simulate;
+mod toolpath;
 
 mod link;
 mod recordings;
-mod simulate;
+
+mod refusals;
+mod repeat;
+mod story;

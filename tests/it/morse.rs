@@ -8,8 +8,8 @@ use morsemill::morse::critical::{Link, Scalar, classify};
 use morsemill::morse::{CriticalKind, CriticalPoint, HeightField, MorseOptions, critical_points};
 use morsemill::part::Mesh;
 use morsemill::reach::{DropCutter, NodeKind, ToolCentreGrid};
-use morsemill::toolpath::plan::{PlanOptions, Strategy, survey};
 use morsemill::toolpath::Ground;
+use morsemill::toolpath::plan::{PlanOptions, Strategy, survey};
 
 const KINDS: [CriticalKind; 3] = [
     CriticalKind::Maximum,
@@ -82,12 +82,7 @@ fn peaks_less_saddles_plus_pits_is_eulers_number_at_any_threshold() {
         let (grid, field) = island(seed, 60);
         for persistence_mm in [0.0, 0.01, 0.05, 0.3, 2.0, 100.0] {
             let found = critical_points(&grid, &field, &MorseOptions { persistence_mm });
-            let count = |k| {
-                found
-                    .iter()
-                    .filter(|c| c.kind == k && !c.boundary)
-                    .count() as i64
-            };
+            let count = |k| found.iter().filter(|c| c.kind == k && !c.boundary).count() as i64;
             let [a, b, c] = KINDS.map(count);
             assert_eq!(
                 a - c + b,

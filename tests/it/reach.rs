@@ -1,7 +1,7 @@
 //! Laws of the tool-centre surface: no ball enters the part, and the cusp metric is never negative.
 #![allow(clippy::unwrap_used)]
 
-use super::common::{Brute, Chance, Shipped, PARTS, noisy, sheet, soup};
+use super::common::{Brute, Chance, PARTS, Shipped, noisy, sheet, soup};
 use morsemill::part::Mesh;
 use morsemill::reach::{DropCutter, GridOptions, GridPlan, NodeKind, ToolCentreGrid};
 use rayon::prelude::*;
@@ -40,7 +40,11 @@ fn no_ball_of_the_grid_enters_a_random_soup() {
         let mesh = soup(seed, 20 + 15 * seed as usize);
         let radius = [0.4, 1.0, 2.5][seed as usize % 3];
         let d = deepest(&mesh, &grid(&mesh, radius, 0.31), 1);
-        assert!(d < 1e-7, "soup {seed}, ball radius {radius}: {} um deep", 1e3 * d);
+        assert!(
+            d < 1e-7,
+            "soup {seed}, ball radius {radius}: {} um deep",
+            1e3 * d
+        );
     }
 }
 
@@ -60,7 +64,11 @@ fn no_ball_of_the_grid_enters_a_sheet() {
         let mesh = sheet([0.0, 0.0], [10.0, 9.0], [60, 54], f);
         for radius in [0.5, 3.0] {
             let d = deepest(&mesh, &grid(&mesh, radius, 0.19), 1);
-            assert!(d < 1e-7, "{name}, ball radius {radius}: {} um deep", 1e3 * d);
+            assert!(
+                d < 1e-7,
+                "{name}, ball radius {radius}: {} um deep",
+                1e3 * d
+            );
         }
     }
 }
