@@ -1,7 +1,22 @@
-//! Integration tests, one binary; modules in reading order: the part, the dry run, the cable, and the whole story.
+//! Integration tests, one binary; modules in reading order: what they share, the laws of each stage from part to program, the dry run,
+//! the cable, what is refused, and the whole story through the binary.
+
+mod common;
+mod plans;
+
+mod feature;
+mod field;
+mod finish;
+mod morse;
+mod part;
+mod reach;
+mod simulate;
+mod toolpath;
 
 mod hostile;
 mod link;
-mod part;
 mod recordings;
-mod simulate;
+
+mod refusals;
+mod repeat;
+mod story;
