@@ -7,7 +7,7 @@ use super::plans;
 use morsemill::feature::{FeatureKind, Regions};
 use morsemill::reach::{DropCutter, NodeKind};
 use morsemill::toolpath::Ground;
-use morsemill::toolpath::plan::{Strategy, features, survey};
+use morsemill::toolpath::plan::{PLAN_SHARES, Strategy, features, survey};
 
 fn judge(name: &str, ground: &Ground, regions: &Regions) {
     let g = &ground.grid;
@@ -99,7 +99,7 @@ fn all_ground_belongs_to_one_feature_and_saddles_stand_on_rims() {
         Strategy::Isoplanar(25.0),
     ] {
         how.strategy = strategy;
-        judge(&format!("{strategy:?}"), &ground, &features(&ground, &how));
+        judge(&format!("{strategy:?}"), &ground, &features(&ground, how.strategy, PLAN_SHARES[0] * how.scallop));
     }
 }
 
@@ -114,7 +114,7 @@ fn growing_repeats_itself_on_any_number_of_threads() {
             let cutter = DropCutter::new(&PARTS[1].mesh(), 3.0);
             let how = options(0.05);
             let ground = survey(cutter, &how, &mut |_, _| {}, &mut |_| {}).unwrap();
-            let r = features(&ground, &how);
+            let r = features(&ground, how.strategy, PLAN_SHARES[0] * how.scallop);
             let bits: Vec<Vec<u64>> = r
                 .features
                 .iter()

@@ -11,7 +11,7 @@ use morsemill::field::march::Access;
 use morsemill::field::{Front, MarchOptions, Metric, Ruler, level_curves, march};
 use morsemill::geom::{Point, Point2, Vector, Vector2};
 use morsemill::reach::{DropCutter, GridOptions, GridPlan, NodeKind, ToolCentreGrid};
-use morsemill::toolpath::plan::{Strategy, features, survey};
+use morsemill::toolpath::plan::{PLAN_SHARES, Strategy, features, survey};
 use rayon::prelude::*;
 
 const R: f64 = 3.0;
@@ -342,7 +342,7 @@ fn the_promised_cusp_is_rarely_above_the_wanted_one() {
             Strategy::Isoplanar(30.0),
         ] {
             how.strategy = strategy;
-            let regions = features(&ground, &how);
+            let regions = features(&ground, how.strategy, PLAN_SHARES[0] * how.scallop);
             let (mut all, mut over, mut most) = (0u32, 0u32, 0.0f64);
             for i in 0..g.len() {
                 let Some(k) = usize::from(regions.label[i]).checked_sub(1) else {
