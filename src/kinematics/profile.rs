@@ -63,7 +63,10 @@ impl Profile {
         let peak_sq = a * length + (entry_sq + exit_sq) / 2.0;
         let (cruise, exit) = if entry_sq >= exit_sq + 2.0 * a * length {
             // Braking all the way, and perhaps not enough.
-            (entry, (entry_sq - 2.0 * a * length).max(0.0).sqrt())
+            // Planned to just succeed, it must not fail by rounding: a root makes 1e-6 mm/s of 1e-12.
+            let just = entry_sq <= (exit_sq + 2.0 * a * length) * (1.0 + 1e-12);
+            let missed = (entry_sq - 2.0 * a * length).max(0.0).sqrt();
+            (entry, if just { exit } else { missed })
         } else if entry > nominal {
             (nominal, exit)
         } else if exit_sq >= entry_sq + 2.0 * a * length {
@@ -183,6 +186,22 @@ mod tests {
             nominal,
             exit,
             acceleration,
+        }
+    }
+
+    /// A block entered at the highest speed from which it can be braked ends at rest, not at the root of a rounding error.
+    #[test]
+    fn braking_that_just_succeeds_ends_at_rest() {
+        for k in 1..2000 {
+            let (length, acceleration) = (0.000_7 * f64::from(k), 639.2 + 0.37 * f64::from(k));
+            let p = Profile::new(Ramp {
+                length,
+                entry: (2.0 * acceleration * length).sqrt(),
+                nominal: 1e3,
+                exit: 0.0,
+                acceleration,
+            });
+            assert_eq!(p.exit, 0.0, "{length}");
         }
     }
 

@@ -130,6 +130,12 @@ impl Canvas {
         b.finish()
     }
 
+    fn stroke(&mut self, path: &tiny_skia::Path, pen: &Pen, stroke: &Stroke) {
+        let paint = Self::paint(pen);
+        self.pixmap
+            .stroke_path(path, &paint, stroke, Transform::identity(), None);
+    }
+
     /// An open polyline.
     pub fn line(&mut self, points: &[[f32; 2]], pen: &Pen) {
         let stroke = Stroke {
@@ -140,13 +146,7 @@ impl Canvas {
             ..Stroke::default()
         };
         if let Some(path) = Self::path(points, false) {
-            self.pixmap.stroke_path(
-                &path,
-                &Self::paint(pen),
-                &stroke,
-                Transform::identity(),
-                None,
-            );
+            self.stroke(&path, pen, &stroke);
         }
     }
 
@@ -169,13 +169,7 @@ impl Canvas {
                 line_join: LineJoin::Round,
                 ..Stroke::default()
             };
-            self.pixmap.stroke_path(
-                &path,
-                &Self::paint(pen),
-                &stroke,
-                Transform::identity(),
-                None,
-            );
+            self.stroke(&path, pen, &stroke);
         }
     }
 
@@ -277,13 +271,7 @@ impl Canvas {
                 line_join: LineJoin::Round,
                 ..Stroke::default()
             };
-            self.pixmap.stroke_path(
-                &path,
-                &Self::paint(pen),
-                &stroke,
-                Transform::identity(),
-                None,
-            );
+            self.stroke(&path, pen, &stroke);
         }
         width
     }

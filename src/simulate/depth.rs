@@ -6,75 +6,37 @@
 //!      '._c_.'
 //! ```
 
-use crate::geom::{Point, Point2, Vector};
+use crate::geom::{Point, Vector};
 use crate::part::Mesh;
+use crate::sweep::buckets::Buckets;
 
 /// A part's triangles sorted into square buckets in plan.
 pub struct Depth<'a> {
     mesh: &'a Mesh,
     radius: f64,
-    origin: Point2,
-    size: f64,
-    nx: usize,
-    ny: usize,
-    starts: Vec<u32>,
-    members: Vec<u32>,
+    buckets: Buckets,
 }
 
 impl<'a> Depth<'a> {
     /// Sorts the part for a ball of this radius, mm.
     pub fn new(mesh: &'a Mesh, radius: f64) -> Depth<'a> {
         let b = mesh.bounds();
-        let (w, h) = (b.size().x, b.size().y);
-        let size = (0.25 * radius).max(w.max(h) / 1500.0).max(1e-6);
-        let (nx, ny) = ((w / size) as usize + 1, (h / size) as usize + 1);
-        let mut d = Depth {
+        let triangles = &mesh.triangles;
+        let (min, max) = (b.min.xy(), b.max.xy());
+        let buckets = Buckets::new(min, max, 0.25 * radius, triangles.len(), |b, i, put| {
+            let t = &triangles[i];
+            let lo = t[0].inf(&t[1]).inf(&t[2]);
+            let hi = t[0].sup(&t[1]).sup(&t[2]);
+            for by in b.rows(lo.y, hi.y) {
+                for bx in b.columns(lo.x, hi.x) {
+                    put(by * b.nx + bx);
+                }
+            }
+        });
+        Depth {
             mesh,
             radius,
-            origin: if b.is_empty() {
-                Point2::origin()
-            } else {
-                b.min.xy()
-            },
-            size,
-            nx,
-            ny,
-            starts: vec![0; nx * ny + 1],
-            members: Vec::new(),
-        };
-        let mut count = vec![0u32; nx * ny];
-        for t in &mesh.triangles {
-            d.buckets(t, |b| count[b] += 1);
-        }
-        let mut sum = 0;
-        for (b, c) in count.iter().enumerate() {
-            sum += c;
-            d.starts[b + 1] = sum;
-        }
-        let mut at = d.starts.clone();
-        let mut members = vec![0u32; sum as usize];
-        for (i, t) in mesh.triangles.iter().enumerate() {
-            d.buckets(t, |b| {
-                members[at[b] as usize] = i as u32;
-                at[b] += 1;
-            });
-        }
-        d.members = members;
-        d
-    }
-
-    fn span(&self, lo: f64, hi: f64, origin: f64, n: usize) -> std::ops::RangeInclusive<usize> {
-        let at = |v: f64| (((v - origin) / self.size).max(0.0) as usize).min(n - 1);
-        at(lo)..=at(hi)
-    }
-
-    fn buckets(&self, t: &[Point; 3], mut f: impl FnMut(usize)) {
-        let lo = t[0].inf(&t[1]).inf(&t[2]);
-        let hi = t[0].sup(&t[1]).sup(&t[2]);
-        for by in self.span(lo.y, hi.y, self.origin.y, self.ny) {
-            for bx in self.span(lo.x, hi.x, self.origin.x, self.nx) {
-                f(by * self.nx + bx);
-            }
+            buckets,
         }
     }
 
@@ -84,10 +46,10 @@ impl<'a> Depth<'a> {
         let mut ray = f64::INFINITY;
         let mut ball = f64::INFINITY;
         let mut pierced = false;
-        for by in self.span(c.y - r, c.y + r, self.origin.y, self.ny) {
-            for bx in self.span(c.x - r, c.x + r, self.origin.x, self.nx) {
-                let b = by * self.nx + bx;
-                for &i in &self.members[self.starts[b] as usize..self.starts[b + 1] as usize] {
+        let buckets = &self.buckets;
+        for by in buckets.rows(c.y - r, c.y + r) {
+            for bx in buckets.columns(c.x - r, c.x + r) {
+                for &i in buckets.of(by * buckets.nx + bx) {
                     let t = &self.mesh.triangles[i as usize];
                     if t.iter().all(|p| p.z < c.z - r) {
                         continue;

@@ -183,8 +183,10 @@ fn judge(
     report: &mut DryRun,
 ) {
     let radius = part.drop.radius();
-    let stock = material::stock(part, &options.stock);
-    let cut = material::cut(moves, part, &stock, options.collision_limit_mm);
+    let cut = {
+        let stock = material::stock(part, &options.stock);
+        material::cut(moves, part, &stock, options.collision_limit_mm)
+    };
     for c in cut.collisions.iter().take(LISTED) {
         let p = c.encounter.place;
         report.problems.push(Problem {

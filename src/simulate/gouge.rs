@@ -37,13 +37,7 @@ struct Suspect {
 
 /// Those of the places 0 to n along a move (from `a`, by `d` in all) where the ball may be over the part: a program may wander
 /// kilometres beside it.
-fn over(
-    bounds: &Box3,
-    radius: f64,
-    a: &Point,
-    d: &Vector,
-    n: usize,
-) -> std::ops::RangeInclusive<usize> {
+fn over(bounds: &Box3, radius: f64, a: &Point, d: &Vector, n: usize) -> std::ops::Range<usize> {
     let (mut from, mut to) = (0.0f64, 1.0f64);
     for k in 0..2 {
         let (lo, hi) = (bounds.min[k] - radius - a[k], bounds.max[k] + radius - a[k]);
@@ -58,12 +52,11 @@ fn over(
         }
     }
     if from > to {
-        // Empty.
-        return 1..=0;
+        return 0..0;
     }
     let n = n as f64;
     // One more at each end for rounding.
-    ((from * n).floor() - 1.0).max(0.0) as usize..=((to * n).ceil() + 1.0).min(n) as usize
+    ((from * n).floor() - 1.0).max(0.0) as usize..((to * n).ceil() + 1.0).min(n) as usize + 1
 }
 
 /// The deepest gouge of all moves; `None` when no centre lies lower than the ball can rest.

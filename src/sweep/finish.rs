@@ -144,7 +144,8 @@ pub fn finish(
     let paths = Paths::new(segments, 0.25 * radius, asked);
     let limit = radius + options.uncut_above;
     let judged = |i: usize| !reach.part_z[i].is_nan() && reach.reach_z[i].is_finite();
-    let cells: Vec<(f32, f32)> = (0..lattice.len())
+    let (mut cusp_mm, mut gouge_mm) = (Vec::new(), Vec::new());
+    (0..n)
         .into_par_iter()
         .map(|i| {
             if !judged(i) {
@@ -174,17 +175,14 @@ pub fn finish(
             }
             (cusp.max(0.0) as f32, gouge as f32)
         })
-        .collect();
-    let stats = stats(reach, &cells, options)?;
-    let (cusp_mm, gouge_mm) = cells.into_iter().unzip();
-    Ok(Finish {
-        map: CuspMap {
-            lattice,
-            cusp_mm,
-            gouge_mm,
-        },
-        stats,
-    })
+        .unzip_into_vecs(&mut cusp_mm, &mut gouge_mm);
+    let map = CuspMap {
+        lattice,
+        cusp_mm,
+        gouge_mm,
+    };
+    let stats = stats(reach, &map, options)?;
+    Ok(Finish { map, stats })
 }
 
 /// Area of the part's surface over a cell, in cells, 1 to 10. On each axis the gentler of the two one-sided slopes counts.
@@ -214,7 +212,7 @@ fn stretch(reach: &Reachable, i: usize) -> f64 {
 
 fn stats(
     reach: &Reachable,
-    cells: &[(f32, f32)],
+    map: &CuspMap,
     options: &FinishOptions,
 ) -> Result<FinishStats, FinishError> {
     let lattice = &reach.lattice;
@@ -223,9 +221,10 @@ fn stats(
         Some([c.x, c.y, z])
     };
     let mut s = FinishStats::default();
-    let mut cut: Vec<(f32, f32)> = Vec::new();
+    let judged = map.cusp_mm.iter().filter(|c| !c.is_nan()).count();
+    let mut cut: Vec<(f32, f32)> = Vec::with_capacity(judged);
     let (mut over, mut highest, mut deepest) = (0.0, -1.0f32, 0.0f32);
-    for (i, &(cusp, gouge)) in cells.iter().enumerate() {
+    for (i, (&cusp, &gouge)) in map.cusp_mm.iter().zip(&map.gouge_mm).enumerate() {
         if cusp.is_nan() {
             continue;
         }

@@ -4,6 +4,7 @@
 //! Crosses the border: [`Segment`]s of ball *centres* and a ball radius in, heights over a [`Lattice`] out; work coordinates,
 //! mm, +Z towards the spindle. Must never know how the segments were made: not passes, features, programs or machines.
 
+pub(crate) mod buckets;
 pub mod finish;
 pub mod lattice;
 pub mod nearest;

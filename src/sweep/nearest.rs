@@ -8,18 +8,13 @@
 
 use crate::geom::{Point, Point2};
 use crate::sweep::Segment;
+use crate::sweep::buckets::Buckets;
 
 /// Segments of ball centres sorted into square buckets in plan. Work coordinates, mm.
 #[derive(Clone, Debug)]
 pub struct Paths {
     curtains: Vec<Curtain>,
-    origin: Point2,
-    size: f64,
-    nx: usize,
-    ny: usize,
-    /// Where each bucket's list begins in `members`; one more entry than buckets.
-    starts: Vec<u32>,
-    members: Vec<u32>,
+    buckets: Buckets,
     /// Lowest centre of each bucket's segments.
     low: Vec<f64>,
 }
@@ -43,100 +38,32 @@ impl Paths {
         // What lies beyond goes into the buckets at the rim: they are nearer to any place asked about than it is.
         let min = min.sup(&asked.0).inf(&asked.1);
         let max = max.inf(&asked.1).sup(&min);
-        let wide = (max.x - min.x).max(max.y - min.y);
-        // At most some 4 million buckets.
-        let size = size.max(wide / 2000.0).max(1e-6);
-        let (nx, ny) = (
-            ((max.x - min.x) / size) as usize + 1,
-            ((max.y - min.y) / size) as usize + 1,
-        );
-        let mut paths = Paths {
+        let buckets = Buckets::new(min, max, size, segments.len(), |b, i, put| {
+            touched(b, &segments[i], put);
+        });
+        let low = (0..buckets.len())
+            .map(|b| {
+                let lowest = |i: &u32| {
+                    let s = &segments[*i as usize];
+                    s.from.z.min(s.to.z)
+                };
+                buckets
+                    .of(b)
+                    .iter()
+                    .map(lowest)
+                    .fold(f64::INFINITY, f64::min)
+            })
+            .collect();
+        Paths {
             curtains: segments.iter().map(Curtain::above).collect(),
-            origin: min,
-            size,
-            nx,
-            ny,
-            starts: vec![0; nx * ny + 1],
-            members: Vec::new(),
-            low: vec![f64::INFINITY; nx * ny],
-        };
-        let mut count = vec![0u32; nx * ny];
-        for s in &segments {
-            paths.buckets_of(s, |b| count[b] += 1);
+            buckets,
+            low,
         }
-        let mut sum = 0u32;
-        for (b, c) in count.iter().enumerate() {
-            sum += c;
-            paths.starts[b + 1] = sum;
-        }
-        let mut members = vec![0u32; sum as usize];
-        let mut at = paths.starts.clone();
-        for (i, s) in segments.iter().enumerate() {
-            paths.buckets_of(s, |b| {
-                members[at[b] as usize] = i as u32;
-                at[b] += 1;
-            });
-        }
-        let mut low = vec![f64::INFINITY; nx * ny];
-        for (b, low) in low.iter_mut().enumerate() {
-            for &i in &members[paths.starts[b] as usize..paths.starts[b + 1] as usize] {
-                let s = &segments[i as usize];
-                *low = low.min(s.from.z).min(s.to.z);
-            }
-        }
-        paths.low = low;
-        paths.members = members;
-        paths
     }
 
     /// True when there is no segment.
     pub fn is_empty(&self) -> bool {
         self.curtains.is_empty()
-    }
-
-    fn bucket(&self, v: f64, origin: f64, n: usize) -> usize {
-        (((v - origin) / self.size).max(0.0) as usize).min(n - 1)
-    }
-
-    fn buckets_of(&self, s: &Segment, mut f: impl FnMut(usize)) {
-        let (a, b) = if s.from.y <= s.to.y {
-            (s.from, s.to)
-        } else {
-            (s.to, s.from)
-        };
-        for by in
-            self.bucket(a.y, self.origin.y, self.ny)..=self.bucket(b.y, self.origin.y, self.ny)
-        {
-            // The part of the segment in this row of buckets, a little more for rounding.
-            let pad = 1e-6 * self.size;
-            let mut lo = self.origin.y + by as f64 * self.size - pad;
-            let mut hi = lo + self.size + 2.0 * pad;
-            if by == 0 {
-                lo = f64::NEG_INFINITY;
-            }
-            if by + 1 == self.ny {
-                hi = f64::INFINITY;
-            }
-            let at = |y: f64| {
-                if b.y > a.y {
-                    a.x + (b.x - a.x) * ((y - a.y) / (b.y - a.y)).clamp(0.0, 1.0)
-                } else {
-                    a.x
-                }
-            };
-            let (mut p, mut q) = (at(lo), at(hi));
-            if b.y <= a.y {
-                q = b.x;
-            }
-            if p > q {
-                std::mem::swap(&mut p, &mut q);
-            }
-            for bx in self.bucket(p - pad, self.origin.x, self.nx)
-                ..=self.bucket(q + pad, self.origin.x, self.nx)
-            {
-                f(by * self.nx + bx);
-            }
-        }
     }
 
     /// Distance from a point to the nearest curtain, mm; `+inf` when none comes as near as `limit`. Below one radius: the point
@@ -149,28 +76,26 @@ impl Paths {
             best_sq: limit * limit,
             found: false,
         };
-        let guess = self.bucket(expected.y, self.origin.y, self.ny) * self.nx
-            + self.bucket(expected.x, self.origin.x, self.nx);
+        let buckets = &self.buckets;
+        let size = buckets.size;
+        let guess = buckets.row(expected.y) * buckets.nx + buckets.column(expected.x);
         self.look(guess, p, &mut near);
         // Nothing in a bucket is nearer than its box, which begins at its lowest centre.
         let gap_sq = |v: f64, first: f64| {
-            let gap = (first - v).max(v - first - self.size) - 1e-5 * self.size;
+            let gap = (first - v).max(v - first - size) - 1e-5 * size;
             gap.max(0.0).powi(2)
         };
-        let within = near.best_sq.sqrt() + 1e-4 * self.size;
-        let columns = self.bucket(p.x - within, self.origin.x, self.nx)
-            ..=self.bucket(p.x + within, self.origin.x, self.nx);
-        for by in self.bucket(p.y - within, self.origin.y, self.ny)
-            ..=self.bucket(p.y + within, self.origin.y, self.ny)
-        {
-            let dy_sq = gap_sq(p.y, self.origin.y + by as f64 * self.size);
+        let within = near.best_sq.sqrt() + 1e-4 * size;
+        let columns = buckets.columns(p.x - within, p.x + within);
+        for by in buckets.rows(p.y - within, p.y + within) {
+            let dy_sq = gap_sq(p.y, buckets.origin.y + by as f64 * size);
             if dy_sq > near.best_sq {
                 continue;
             }
             for bx in columns.clone() {
-                let b = by * self.nx + bx;
+                let b = by * buckets.nx + bx;
                 let dz = (self.low[b] - p.z).max(0.0);
-                let dx_sq = gap_sq(p.x, self.origin.x + bx as f64 * self.size);
+                let dx_sq = gap_sq(p.x, buckets.origin.x + bx as f64 * size);
                 if b != guess && dx_sq + dy_sq + dz * dz <= near.best_sq {
                     self.look(b, p, &mut near);
                 }
@@ -185,12 +110,42 @@ impl Paths {
 
     #[inline]
     fn look(&self, bucket: usize, p: &Point, near: &mut Near) {
-        for &i in &self.members[self.starts[bucket] as usize..self.starts[bucket + 1] as usize] {
+        for &i in self.buckets.of(bucket) {
             let d_sq = self.curtains[i as usize].distance_sq(p);
             if d_sq <= near.best_sq {
                 near.best_sq = d_sq;
                 near.found = true;
             }
+        }
+    }
+}
+
+/// The buckets that a segment passes through in plan, and perhaps a neighbour.
+fn touched(buckets: &Buckets, s: &Segment, put: &mut dyn FnMut(usize)) {
+    let (a, b) = if s.from.y <= s.to.y {
+        (s.from, s.to)
+    } else {
+        (s.to, s.from)
+    };
+    let pad = 1e-6 * buckets.size;
+    for by in buckets.rows(a.y, b.y) {
+        // The part of the segment in this row of buckets, a little more for rounding; the rim's rows reach on outwards.
+        let mut lo = buckets.origin.y + by as f64 * buckets.size - pad;
+        let mut hi = lo + buckets.size + 2.0 * pad;
+        if by == 0 {
+            lo = f64::NEG_INFINITY;
+        }
+        if by + 1 == buckets.ny {
+            hi = f64::INFINITY;
+        }
+        let (p, q) = if b.y > a.y {
+            let at = |y: f64| a.x + (b.x - a.x) * ((y - a.y) / (b.y - a.y)).clamp(0.0, 1.0);
+            (at(lo), at(hi))
+        } else {
+            (a.x, b.x)
+        };
+        for bx in buckets.columns(p.min(q) - pad, p.max(q) + pad) {
+            put(by * buckets.nx + bx);
         }
     }
 }
