@@ -1,7 +1,7 @@
 //! Placing critical points below the grid's step, and past the facets of the mesh.
 //!
 //! Inside, by the level point of a quadratic fitted to the *centre* heights round about: they are smoother than the contacts, and level
-//! at the same place. On the border, by the extreme of a parabola fitted to the outline's heights along it.
+//! at the same place. On the border, by the extreme of a cubic fitted to the outline's heights along it.
 
 use super::critical::{CriticalKind, CriticalPoint};
 use crate::geom::{Point, Vector, Vector2};
@@ -126,8 +126,8 @@ fn level_point(grid: &ToolCentreGrid, node: usize) -> Option<(Point, [f64; 3])> 
     Some((c, [2.0 * q[3], q[4], 2.0 * q[5]]))
 }
 
-/// How far along the border a parabola is fitted, in steps: two stepovers to either side.
-const ALONG: f64 = 10.0;
+/// How far along the border a cubic is fitted, in steps: two to three stepovers to either side.
+const ALONG: f64 = 13.0;
 
 fn on_border(grid: &ToolCentreGrid, kind: CriticalKind, node: usize) -> (Point, Point) {
     let q = grid.xy(node);
@@ -181,23 +181,26 @@ fn on_border(grid: &ToolCentreGrid, kind: CriticalKind, node: usize) -> (Point, 
     let angle = 0.5 * xy.atan2(half);
     let along = Vector2::new(angle.cos(), angle.sin());
     let scale = ALONG * grid.step;
-    let mut ata = SMatrix::<f64, 3, 3>::zeros();
-    let mut atb = SVector::<f64, 3>::zeros();
+    let mut ata = SMatrix::<f64, 4, 4>::zeros();
+    let mut atb = SVector::<f64, 4>::zeros();
     let (mut lo, mut hi) = (0.0f64, 0.0f64);
     for c in &beside {
         let t = (c.contact.point.xy() - at.xy()).dot(&along) / scale;
         (lo, hi) = (lo.min(t), hi.max(t));
         let weight = (1.0 - t * t).max(0.0);
-        let row = SVector::<f64, 3>::from([1.0, t, t * t]);
+        let row = SVector::<f64, 4>::from([1.0, t, t * t, t * t * t]);
         ata += row * row.transpose() * weight;
         atb += row * (weight * (c.contact.point.z - at.z));
     }
     let Some(p) = ata.cholesky().map(|c| c.solve(&atb)) else {
         return plain;
     };
-    let t = -p[1] / (2.0 * p[2]);
+    // Of the cubic's two level places the one of the right kind.
+    let root = (p[2] * p[2] - 3.0 * p[1] * p[3]).max(0.0).sqrt();
+    let t = -p[1] / (p[2] + sign * root);
+    let bend = p[2] + 3.0 * p[3] * t;
     // An extreme of the right kind, well within what was fitted: else the border ends here, in a corner.
-    if !(sign * p[2] > 0.0 && t.abs() < 0.6 && t > 0.8 * lo && t < 0.8 * hi) {
+    if !(sign * bend > 0.0 && t.abs() < 0.6 && t > 0.8 * lo && t < 0.8 * hi) {
         return corner(grid, node, sign, plain);
     }
     let to = at.xy() + along * (t * scale);
@@ -206,9 +209,9 @@ fn on_border(grid: &ToolCentreGrid, kind: CriticalKind, node: usize) -> (Point, 
         .map(|c| ((c.contact.point.xy() - to).norm(), *c))
         .reduce(|a, b| if b.0 < a.0 { b } else { a })
         .map_or(plain, |(_, c)| {
-            // From the nearest crossing on along the border, at the height the parabola gives.
+            // From the nearest crossing on along the border, at the height the fit gives.
             let slide = along * (to - c.contact.point.xy()).dot(&along);
-            let z = at.z + p[0] + p[1] * t + p[2] * t * t;
+            let z = at.z + p[0] + t * (p[1] + t * (p[2] + t * p[3]));
             let d = Vector::new(slide.x, slide.y, z - c.contact.point.z);
             (c.contact.center + d, c.contact.point + d)
         })

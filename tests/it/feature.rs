@@ -99,7 +99,11 @@ fn all_ground_belongs_to_one_feature_and_saddles_stand_on_rims() {
         Strategy::Isoplanar(25.0),
     ] {
         how.strategy = strategy;
-        judge(&format!("{strategy:?}"), &ground, &features(&ground, how.strategy, PLAN_SHARES[0] * how.scallop));
+        judge(
+            &format!("{strategy:?}"),
+            &ground,
+            &features(&ground, how.strategy, PLAN_SHARES[0] * how.scallop),
+        );
     }
 }
 
