@@ -222,6 +222,8 @@ pub fn critical_points(
             if link == Link::Regular {
                 continue;
             }
+            // The ring beyond the border is no place of its own: an extreme beside it is one of the border.
+            let boundary = boundary || beside_border(grid, p.extreme);
             out.push(refined(grid, kind, p.extreme, boundary, p.persistence));
         }
     }
@@ -253,6 +255,15 @@ pub fn critical_points(
             .then(a.node.cmp(&b.node))
     });
     out
+}
+
+fn beside_border(grid: &ToolCentreGrid, node: usize) -> bool {
+    (-1..=1).any(|dy| {
+        (-1..=1).any(|dx| {
+            grid.neighbour(node, (dx, dy))
+                .is_some_and(|j| grid.kind[j] != NodeKind::Ground)
+        })
+    })
 }
 
 /// Half widths, in steps, of the windows a quadratic is fitted over, the best first: wide enough to see past the facets of the mesh, and
