@@ -122,7 +122,8 @@ impl Ground<'_> {
         let mut area = 0.0;
         for &n in &own {
             let i = n as usize;
-            if self.grid.kind[i] == NodeKind::Ground {
+            // A saddle stands on the rims of both its neighbours: it stays with the first.
+            if self.grid.kind[i] == NodeKind::Ground && self.regions.label[i] == 0 {
                 self.regions.label[i] = label;
                 area += self.area_of(i);
             }

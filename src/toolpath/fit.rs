@@ -186,7 +186,7 @@ fn chord_holds(rests: &[Rest], options: &FitOptions) -> bool {
     })
 }
 
-/// Probes each segment along its own line and splits it where it cuts deeper than allowed.
+/// Probes each segment along its own line and splits it where it cuts deeper, or stays higher, than allowed.
 fn prove(cutter: &DropCutter, rests: &[Rest], options: &FitOptions) -> Vec<Point> {
     let mut hint = Hint::default();
     let mut out = vec![rests[0].center];
@@ -215,13 +215,15 @@ fn prove_segment(
 ) {
     let run = (b.xy() - a.xy()).norm();
     let n = (run / options.probe).ceil() as usize;
+    // The worst place, in tolerances: too deep anywhere, or too high where it is a slope and not a cliff.
     let mut worst: Option<(f64, Point)> = None;
     for k in 1..n {
         let q = a + (b - a) * (k as f64 / n as f64);
         if let Some(r) = rest(cutter, q.x, q.y, hint) {
-            let deep = (r.center.z - q.z) * r.normal.z;
-            if deep > options.gouge && worst.is_none_or(|(d, _)| deep > d) {
-                worst = Some((deep, r.center));
+            let high = (q.z - r.center.z) * r.normal.z;
+            let off = if high < 0.0 { -high / options.gouge } else { high / options.stock };
+            if off > 1.0 && worst.is_none_or(|(w, _)| off > w) {
+                worst = Some((off, r.center));
             }
         }
     }

@@ -84,6 +84,8 @@ pub fn passes(
                 on_ground(grid, cutter, &even, *closed)
                     .into_iter()
                     .flat_map(|(piece, closed)| laid(cutter, &piece, closed, fitting))
+                    // What touches the ground in one place is no pass, but a plunge for nothing.
+                    .filter(|(points, _)| points.len() > 1)
                     .map(|(points, closed)| Pass {
                         kind: PassKind::Level,
                         feature: Some(index),

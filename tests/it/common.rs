@@ -1,6 +1,6 @@
 //! What the tests of laws share: the shipped parts with their truth, balls against triangles by brute force, and numbers by chance
 //! from a printed seed. The geometry here is written anew on purpose: it must not share a mistake with what it judges.
-#![allow(dead_code)]
+#![allow(dead_code, clippy::unwrap_used)]
 
 use morsemill::geom::{Point, Point2, Vector};
 use morsemill::part::{Mesh, Units, load};
@@ -269,7 +269,7 @@ impl Brute {
 }
 
 /// Places along a straight line, no farther apart than `gap`, ends included.
-pub fn along(a: &Point, b: &Point, gap: f64) -> impl Iterator<Item = Point> {
+pub fn along(a: &Point, b: &Point, gap: f64) -> impl Iterator<Item = Point> + use<> {
     let n = ((b - a).norm() / gap).ceil().max(1.0) as usize;
     let (a, e) = (*a, b - a);
     (0..=n).map(move |k| a + e * (k as f64 / n as f64))

@@ -26,12 +26,12 @@ fn judge(name: &str, ground: &Ground, regions: &Regions) {
     let mut taken = vec![0u16; g.len()];
     let mut doubled = 0;
     for (k, f) in regions.features.iter().enumerate() {
-        // What a feature grew over: within its rim, and not taken before.
+        // What a feature grew over: within its rim, and not taken before. (Nodes on a rim, the saddle among them, are on both.)
         if f.kind != FeatureKind::Strip {
             for (i, t) in taken.iter_mut().enumerate() {
                 if g.kind[i] == NodeKind::Ground
                     && f.field.at(g, i) <= f.rim
-                    && f.free.at(g, i) >= 0.0
+                    && f.free.at(g, i) > 0.0
                 {
                     doubled += u32::from(*t != 0);
                     *t = k as u16 + 1;
