@@ -8,7 +8,7 @@
 use super::cancel::{peaks, pits};
 use super::critical::{CriticalKind, CriticalPoint, Link, Scalar, classify};
 use super::refine::refined;
-use crate::reach::{NodeKind, ToolCentreGrid};
+use crate::reach::{LINK, NodeKind, ToolCentreGrid};
 use nalgebra::{SMatrix, SVector};
 
 /// What counts as a critical point.
@@ -67,11 +67,31 @@ impl HeightField {
     }
 }
 
+/// What the height of an extreme beside the border is good for, mm: the border is known to a share of a step, and on a slope that is
+/// height. Zero inside.
+fn border_doubt(grid: &ToolCentreGrid, node: usize) -> f64 {
+    let around = || {
+        std::iter::once(Some(node))
+            .chain(LINK.iter().map(|d| grid.neighbour(node, *d)))
+            .flatten()
+    };
+    if around().all(|j| grid.kind[j] == NodeKind::Ground) {
+        return 0.0;
+    }
+    around()
+        .filter(|&j| grid.kind[j] == NodeKind::Ground)
+        .map(|j| {
+            let n = (grid.center(j) - grid.point[j]) / grid.radius;
+            (n.x.hypot(n.y) / n.z.max(0.2)) * grid.step
+        })
+        .fold(0.0, f64::max)
+}
+
 /// How far along the border its heights are evened out, in steps of the grid: about a stepover.
 const BORDER_REACH: f64 = 5.0;
 
-/// Heights of the border crossings, evened out: at each the value of a plane fitted to the crossings nearby. A ball rolling over a
-/// scanned edge hops from bump to bump; a plane keeps slopes and corners as they are.
+/// Heights of the border crossings, evened out: at each the value of a quadratic fitted to the crossings nearby. A ball rolling over a
+/// scanned edge hops from bump to bump; a quadratic keeps slopes, bends and corners as they are.
 fn evened(grid: &ToolCentreGrid) -> Vec<f64> {
     let reach = BORDER_REACH * grid.step;
     let places: Vec<(i64, i64, u32)> = {
@@ -95,24 +115,25 @@ fn evened(grid: &ToolCentreGrid) -> Vec<f64> {
     let mut out = vec![0.0; grid.crossings.len()];
     for &(cy, cx, i) in &places {
         let at = &grid.crossings[i as usize].contact.point;
-        let mut ata = SMatrix::<f64, 3, 3>::zeros();
-        let mut atb = SVector::<f64, 3>::zeros();
+        let mut ata = SMatrix::<f64, 6, 6>::zeros();
+        let mut atb = SVector::<f64, 6>::zeros();
         for y in cy - 1..=cy + 1 {
             for j in bucket(y, cx - 1, cx + 1) {
                 let p = &grid.crossings[j].contact.point;
                 let (u, v) = ((p.x - at.x) / reach, (p.y - at.y) / reach);
                 let w = 1.0 - u * u - v * v;
                 if w > 0.0 {
-                    let row = SVector::<f64, 3>::from([1.0, u, v]);
+                    let row = SVector::<f64, 6>::from([1.0, u, v, u * u, u * v, v * v]);
                     ata += row * row.transpose() * w;
                     atb += row * (w * (p.z - at.z));
                 }
             }
         }
-        // A straight border says nothing of the slope across it: keep that small rather than wild.
-        let ridge = 1e-6 * ata[(0, 0)];
-        ata[(1, 1)] += ridge;
-        ata[(2, 2)] += ridge;
+        // A straight border says nothing of the surface across it: keep that small rather than wild.
+        let ridge = 1e-5 * ata[(0, 0)];
+        for k in 1..6 {
+            ata[(k, k)] += ridge;
+        }
         out[i as usize] = at.z + ata.cholesky().map_or(0.0, |c| c.solve(&atb)[0]);
     }
     out
@@ -140,7 +161,7 @@ pub fn critical_points(
         (CriticalKind::Minimum, pits(&s)),
     ] {
         for p in pairs {
-            if p.persistence < limit {
+            if p.persistence < limit.max(border_doubt(grid, p.extreme)) {
                 if let Some(m) = p.merge {
                     cancelled[m] += 1;
                 }

@@ -221,7 +221,11 @@ fn prove_segment(
         let q = a + (b - a) * (k as f64 / n as f64);
         if let Some(r) = rest(cutter, q.x, q.y, hint) {
             let high = (q.z - r.center.z) * r.normal.z;
-            let off = if high < 0.0 { -high / options.gouge } else { high / options.stock };
+            let off = if high < 0.0 {
+                -high / options.gouge
+            } else {
+                high / options.stock
+            };
             if off > 1.0 && worst.is_none_or(|(w, _)| off > w) {
                 worst = Some((off, r.center));
             }
