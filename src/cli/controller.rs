@@ -1,6 +1,7 @@
 //! `morsemill controller`: the simulated controller behind a pseudo-terminal, for any sender to open.
 
-use super::send::{pace, say};
+use super::output::say;
+use super::send::pace;
 use crate::controller::{Controller, Pace, Pty};
 use crate::machine::Machine;
 use std::io::Write;

@@ -27,8 +27,8 @@ struct Cli {
     #[command(subcommand)]
     command: Command,
     /// Threads to use; 0 = all cores. The result does not depend on it
-    #[arg(long, global = true, default_value_t = 0)]
-    threads: usize,
+    #[arg(long, global = true, default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
+    threads: u16,
 }
 
 #[derive(Debug, Subcommand)]
@@ -72,10 +72,13 @@ pub fn main() -> ExitCode {
     let cli = Cli::parse();
     if cli.threads > 0
         && let Err(e) = rayon::ThreadPoolBuilder::new()
-            .num_threads(cli.threads)
+            .num_threads(usize::from(cli.threads))
             .build_global()
     {
-        eprintln!("morsemill: {} threads cannot be started: {e}", cli.threads);
+        output::say(&format!(
+            "morsemill: {} threads cannot be started: {e}",
+            cli.threads
+        ));
         return ExitCode::from(2);
     }
     let outcome = match cli.command {
@@ -91,11 +94,11 @@ pub fn main() -> ExitCode {
     match outcome {
         Ok(code) => code,
         Err(Failure::Rejected(text)) => {
-            eprintln!("morsemill: {text}");
+            output::say(&format!("morsemill: {text}"));
             ExitCode::from(1)
         }
         Err(Failure::Failed(text)) => {
-            eprintln!("morsemill: {text}");
+            output::say(&format!("morsemill: {text}"));
             ExitCode::from(2)
         }
     }

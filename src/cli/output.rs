@@ -9,6 +9,14 @@ use std::process::ExitCode;
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     let fail =
         |what: &str, e: std::io::Error| Failure::Failed(format!("{}: {what}: {e}", path.display()));
+    // A pipe or a device is written into: renaming over it would replace it.
+    if std::fs::metadata(path).is_ok_and(|m| !m.is_file() && !m.is_dir()) {
+        return std::fs::OpenOptions::new()
+            .write(true)
+            .open(path)
+            .and_then(|mut f| f.write_all(bytes))
+            .map_err(|e| fail("cannot be written", e));
+    }
     let name = path
         .file_name()
         .ok_or_else(|| Failure::Failed(format!("{}: is not the name of a file", path.display())))?;
@@ -44,4 +52,9 @@ pub fn to_stdout(
         Err(e) if e.kind() == std::io::ErrorKind::BrokenPipe => Ok(ExitCode::SUCCESS),
         Err(e) => Err(Failure::Failed(format!("standard output: {e}"))),
     }
+}
+
+/// A line on standard error. A closed or full one must not end a job under way, as `eprintln!` would: it panics.
+pub fn say(line: &str) {
+    let _ = writeln!(std::io::stderr(), "{line}");
 }

@@ -1,6 +1,6 @@
 //! `morsemill ports`: the serial ports of this computer.
 
-use super::send::say;
+use super::output::say;
 use crate::link::port;
 use std::io::Write;
 

@@ -1,7 +1,7 @@
 //! `morsemill send`: vet a program, then stream it to a controller, real or simulated.
 
 use super::check::read_program;
-use super::output::write_json;
+use super::output::{say, write_json};
 use crate::controller::{Controller, Pace, Pty};
 use crate::kinematics::{Settings, program_time};
 use crate::link::{
@@ -92,11 +92,6 @@ pub fn run(args: &SendArgs, out: &mut dyn Write) -> u8 {
             code
         }
     }
-}
-
-/// A line on stderr. A closed or full stderr must not end a job under way, as `eprintln!` would: it panics.
-pub(super) fn say(text: &str) {
-    let _ = writeln!(std::io::stderr(), "{text}");
 }
 
 struct Failure {

@@ -98,7 +98,7 @@ pub fn stage_words(at: Stage) -> (&'static str, &'static str) {
 /// Warnings on stderr: what was tolerated in the file and decided for the user.
 pub fn warn(loaded: &Loaded, placement: &Placement) {
     for w in loaded.warnings.iter().chain(&placement.notes) {
-        eprintln!("note: {w}");
+        super::output::say(&format!("note: {w}"));
     }
 }
 
