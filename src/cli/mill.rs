@@ -1,7 +1,7 @@
 //! `morsemill mill`: from a part to a proven program.
 
 use super::args::{PartArgs, ToolArgs, above_zero, parse};
-use super::output::{to_stdout, write_json, write_whole};
+use super::output::{say, to_stdout, write_json, write_whole};
 use super::progress::Progress;
 use super::show::{self, CriticalJson, FeatureJson, PartJson, StrategyJson};
 use super::{Failure, pictures};
@@ -244,10 +244,10 @@ fn settle(a: &MillArgs) -> Result<Settings, Failure> {
             ("--plunge", a.plunge)
         };
         if v > rate.0 {
-            return Err(Failure::Rejected(format!(
-                "{flag} {v}: axis {axis} of {} moves at most {} mm/min",
+            say(&format!(
+                "note: {flag} {v}: axis {axis} of {} moves at most {} mm/min and will hold the tool back there",
                 machine.name, rate.0
-            )));
+            ));
         }
     }
     let plan = PlanOptions {

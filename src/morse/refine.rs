@@ -58,7 +58,7 @@ fn inside(grid: &ToolCentreGrid, kind: CriticalKind, node: usize) -> (Point, Poi
             CriticalKind::Minimum => flat > 0.0 && hesse[0] > 0.0,
         };
         let far = (c.xy() - start).norm();
-        if !as_meant || !(far <= DRIFT * grid.step) {
+        if !as_meant || far.is_nan() || far > DRIFT * grid.step {
             return plain;
         }
         let here = grid.xy(at);
@@ -175,7 +175,7 @@ fn on_border(grid: &ToolCentreGrid, kind: CriticalKind, node: usize) -> (Point, 
     let half = 0.5 * (xx - yy);
     let e = half.hypot(xy);
     let (large, small) = (0.5 * (xx + yy) + e, 0.5 * (xx + yy) - e);
-    if !(small <= 0.01 * large) {
+    if small.is_nan() || small > 0.01 * large {
         return corner(grid, node, sign, plain);
     }
     let angle = 0.5 * xy.atan2(half);

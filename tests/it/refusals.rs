@@ -312,21 +312,27 @@ fn a_part_larger_than_the_machine_names_the_axis() {
 }
 
 #[test]
-fn a_feed_or_speed_beyond_the_machine_is_not_acceptable() {
+fn a_feed_beyond_the_machine_is_said_and_a_speed_refused() {
     let part = PARTS[0].path().display().to_string();
     refused(
         &[],
         &part,
-        &["--feed", "99999"],
-        1,
-        &["--feed 99999: axis X of longmill-30x30 moves at most"],
+        &["--feed", "99999", "--tool", "ball:100"],
+        2,
+        &[
+            "note: --feed 99999: axis X of longmill-30x30 moves at most",
+            "larger than the part",
+        ],
     );
     refused(
         &[],
         &part,
-        &["--plunge", "99999"],
-        1,
-        &["--plunge 99999: axis Z of longmill-30x30 moves at most"],
+        &["--plunge", "99999", "--tool", "ball:100"],
+        2,
+        &[
+            "note: --plunge 99999: axis Z of longmill-30x30 moves at most",
+            "larger than the part",
+        ],
     );
     refused(
         &[],
