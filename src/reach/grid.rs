@@ -50,7 +50,7 @@ pub struct GridOptions {
 pub enum GridError {
     /// More memory than allowed.
     #[error(
-        "the tool-centre grid would have {nx} x {ny} nodes at a step of {step} mm and take {need_mib} MiB, more than the {limit_mib} MiB allowed: \
+        "the tool-centre grid would have {nx} x {ny} nodes at a step of {step:.4} mm and take {need_mib} MiB, more than the {limit_mib} MiB allowed: \
          set a coarser --grid, check --units, or mill the part in pieces"
     )]
     TooLarge {
