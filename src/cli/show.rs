@@ -5,7 +5,7 @@ use crate::part::{Format, Loaded, Placement, Soundness};
 use crate::post::Posted;
 use crate::simulate::DryRun;
 use crate::toolpath::plan::Plan;
-use crate::toolpath::{MoveKind, Stage};
+use crate::toolpath::{MoveKind, PassKind, Stage};
 use serde::Serialize;
 use std::io::{self, Write};
 use std::path::Path;
@@ -192,7 +192,7 @@ pub fn features(plan: &Plan, posted: &Posted, line_seconds: &[f64]) -> Vec<Featu
     };
     out.push(border);
     let slot = |f: Option<usize>| f.unwrap_or(plan.regions.features.len());
-    for p in &plan.passes {
+    for p in plan.passes.iter().filter(|p| p.kind != PassKind::Turn) {
         out[slot(p.feature)].passes += 1;
     }
     let moves = &plan.toolpath.moves;

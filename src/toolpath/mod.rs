@@ -8,17 +8,22 @@
 //! Crosses the border: a [`Toolpath`] of typed moves of the *tool tip* in work coordinates, mm. Inside, passes are places of the
 //! ball's *centre*. Knows nothing of dialects; of the machine only the few speeds in [`LinkOptions`] that decide between two links.
 
+mod border;
+pub mod chain;
+mod corner;
 pub mod fill;
 pub mod fit;
+mod lead;
 pub mod link;
 pub mod moves;
 pub mod order;
 pub mod pass;
 pub mod plan;
 mod skeleton;
+mod turn;
 
 pub use fit::FitOptions;
 pub use link::LinkOptions;
 pub use moves::{Move, MoveKind, Section, Toolpath};
-pub use pass::{Pass, PassKind};
+pub use pass::{Pass, PassKind, PassOptions};
 pub use plan::{Ground, Plan, PlanOptions, Stage, Strategy};

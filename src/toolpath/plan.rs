@@ -1,11 +1,12 @@
 //! The whole shape half in one call: a placed part in, a proven toolpath out, with everything seen on the way.
 
+use super::chain::{ChainOptions, chains};
 use super::fill::{FillOptions, FillReport, fill};
 use super::fit::FitOptions;
 use super::link::{Air, LinkOptions, link};
 use super::moves::Toolpath;
 use super::order::order;
-use super::pass::{Pass, passes};
+use super::pass::{Pass, PassOptions, passes};
 use crate::feature::{GrowOptions, Regions, grow};
 use crate::field::{Metric, Ruler};
 use crate::geom::{Point, Vector2};
@@ -91,6 +92,8 @@ const FILL_SHARE: f64 = 0.005;
 /// Fill where a cusp is higher than this share of what is wanted: below it lie what a lattice and a facet do to a measurement, and
 /// hundreds of bits whose links cost more than they mend.
 pub const FILL_START: f64 = 1.03;
+/// Corners are rounded to at most this share of the stepover: wider arcs leave a cusp that costs more to fill.
+const CORNER: f64 = 0.6;
 /// Cells of the sweep map in a flat stepover: a cusp between two cells is then seen within a few percent.
 pub const CELLS_PER_STEPOVER: f64 = 14.0;
 
@@ -222,13 +225,13 @@ pub fn features(ground: &Ground, strategy: Strategy, spaced_for: f64) -> Regions
         ruler,
         passes_min: 2.0,
         margin: 5.0,
-        over_share: 0.005,
+        over_share: std::env::var("OVER").ok().and_then(|v| v.parse().ok()).unwrap_or(0.005),
     };
     grow(
         &ground.grid,
         &cusp,
         own.as_ref().unwrap_or(&cusp),
-        &ground.critical,
+        if std::env::var("ONE").is_ok() { &[] } else { &ground.critical },
         &how,
     )
 }
@@ -245,10 +248,10 @@ pub fn plan(
     stage(Stage::Reachable);
     let reach = reachable(&ground.cutter, sweep_step(&ground.cutter, options.scallop));
     let air = Air::new(part, &ground.cutter, links);
-    let mut best = plan_at(ground, &reach, &air, options, PLAN_SHARES[0], links, stage);
+    let mut best = plan_at(ground, &reach, &air, options, std::env::var("SH").ok().and_then(|v| v.parse().ok()).unwrap_or(PLAN_SHARES[0]), links, stage);
     for &share in &PLAN_SHARES[1..] {
         let passes: f64 = best.passes.iter().map(Pass::length).sum();
-        if best.fill.length_mm <= FILL_SHARE * passes {
+        if std::env::var("SH").is_ok() || best.fill.length_mm <= FILL_SHARE * passes {
             break;
         }
         let next = plan_at(ground, &reach, &air, options, share, links, stage);
@@ -275,21 +278,40 @@ fn plan_at(
     let regions = features(ground, options.strategy, spaced_for);
     stage(Stage::Passes);
     let fitting = FitOptions::for_scallop(options.scallop, cutter.radius());
-    let mut all = passes(grid, cutter, &regions, &fitting);
+    let stepover = flat_stepover(options.scallop, cutter.radius());
+    let corner = (links.feed * links.feed / (2.5 * links.acceleration)).min(CORNER * stepover);
+    let shape = PassOptions { stepover, corner };
+    let laid = passes(grid, cutter, &regions, &shape, &fitting);
+    let how = ChainOptions {
+        stepover,
+        reach: 6.0,
+    };
+    let joined = chains(cutter, laid, &how, links, &fitting);
     stage(Stage::Fill);
-    let how = FillOptions {
+    let mut all: Vec<Pass> = joined.iter().flatten().cloned().collect();
+    let before = all.len();
+    let to_fill = FillOptions {
         scallop: options.scallop,
         start: FILL_START,
         keep: 0.75,
         rounds: 6,
     };
-    let fill = fill(grid, cutter, &regions, reach, &mut all, &how, &fitting);
+    let fill = fill(grid, cutter, &regions, reach, &mut all, &to_fill, &fitting);
     stage(Stage::Link);
+    let mut joined = joined;
+    joined.extend(chains(
+        cutter,
+        all.split_off(before),
+        &how,
+        links,
+        &fitting,
+    ));
     // Begin at the corner of the part nearest the operator's zero: lowest x and y, from above.
     let b = cutter.bounds();
     let start = Point::new(b.min.x, b.min.y, b.max.z + cutter.radius());
-    let ordered = order(all, start);
+    let ordered = order(joined, start);
     let (toolpath, section_features) = link(cutter, air, &ordered, &regions, links, &fitting);
+    let ordered: Vec<Pass> = ordered.into_iter().flatten().collect();
     Plan {
         regions,
         passes: ordered,
