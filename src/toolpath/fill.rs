@@ -6,6 +6,7 @@
 use super::fit::{FitOptions, resample, smooth};
 use super::pass::{Pass, PassKind, laid};
 use super::skeleton::middle_lines;
+use super::stroke::strokes;
 use crate::feature::Regions;
 use crate::geom::Point2;
 use crate::reach::{DropCutter, ToolCentreGrid};
@@ -56,29 +57,56 @@ pub fn fill(
     let mut swept = Swept::new(reach.lattice);
     swept.cut(&segments(passes), cutter.radius());
     loop {
-        let (cells, left) = standing(reach, &swept, options);
-        report.cells_left = left;
-        if left == 0 || report.rounds == options.rounds {
+        let (cells, over) = standing(reach, &swept, options);
+        report.cells_left = over.len();
+        if over.is_empty() || report.rounds == options.rounds {
             return report;
         }
         report.rounds += 1;
         let lattice = &reach.lattice;
-        // Branches shorter than half a stepover are cut by the line they leave.
         let stepover = (8.0 * options.scallop * cutter.radius()).sqrt();
-        let lines = middle_lines(&cells, ((0.5 * stepover / lattice.step) as usize).max(3));
-        let new: Vec<Vec<Pass>> = lines
+        // Where the ball's centre is over a cell.
+        let center = |x: i64, y: i64| -> Point2 {
+            let by = reach.by[lattice.index(x as usize, y as usize)];
+            lattice.center_at(by as usize)
+        };
+        // Rows of spots first; what they leave is looked at again.
+        let rows = strokes(&over, stepover / lattice.step);
+        let curves: Vec<Vec<Point2>> = if rows.is_empty() {
+            // Branches shorter than half a stepover are cut by the line they leave.
+            middle_lines(&cells, ((0.5 * stepover / lattice.step) as usize).max(3))
+                .iter()
+                .map(|line| {
+                    let curve: Vec<Point2> = line.iter().map(|&(x, y)| center(x, y)).collect();
+                    let mut even = resample(&curve, false, 2.0 * lattice.step);
+                    smooth(&mut even, false, 6);
+                    even
+                })
+                .collect()
+        } else {
+            rows.iter()
+                .map(|row| {
+                    let last = row.len() - 1;
+                    let mut curve: Vec<Point2> = row[1..last]
+                        .iter()
+                        .map(|p| center(p.x.round() as i64, p.y.round() as i64))
+                        .collect();
+                    // The ends run on in plan as far as they do on the surface.
+                    let m = curve.len() - 1;
+                    let head = curve[0] + (row[0] - row[1]) * lattice.step;
+                    let tail = curve[m] + (row[last] - row[last - 1]) * lattice.step;
+                    curve.insert(0, head);
+                    curve.push(tail);
+                    let mut even = resample(&curve, false, 0.2 * stepover);
+                    smooth(&mut even, false, 12);
+                    even
+                })
+                .collect()
+        };
+        let new: Vec<Vec<Pass>> = curves
             .par_iter()
-            .map(|line| {
-                let curve: Vec<Point2> = line
-                    .iter()
-                    .map(|&(x, y)| {
-                        let by = reach.by[lattice.index(x as usize, y as usize)];
-                        lattice.center_at(by as usize)
-                    })
-                    .collect();
-                let mut even = resample(&curve, false, 2.0 * lattice.step);
-                smooth(&mut even, false, 6);
-                laid(cutter, &even, false, fitting)
+            .map(|even| {
+                laid(cutter, even, false, fitting)
                     .into_iter()
                     .map(|(points, closed)| {
                         let feature = grid
@@ -107,6 +135,34 @@ pub fn fill(
     }
 }
 
+/// The highest cusp (mm) that some passes leave at each node of the grid, by the place of the ball that could reach it; 0 where none was
+/// judged.
+pub fn cusps_at_nodes(
+    grid: &ToolCentreGrid,
+    cutter: &DropCutter,
+    reach: &Reachable,
+    passes: &[Pass],
+) -> Vec<f32> {
+    let mut swept = Swept::new(reach.lattice);
+    swept.cut(&segments(passes), cutter.radius());
+    let mut out = vec![0.0f32; grid.len()];
+    for i in 0..reach.lattice.len() {
+        let judged =
+            reach.part_z[i].is_finite() && reach.by[i] != u32::MAX && reach.normal_z[i] > UPRIGHT;
+        if !judged {
+            continue;
+        }
+        let cusp = ((swept.z[i] - reach.reach_z[i]) * f64::from(reach.normal_z[i])) as f32;
+        let c = reach.lattice.center_at(reach.by[i] as usize);
+        if let Some(n) = grid.nearest(c.x, c.y)
+            && cusp > out[n]
+        {
+            out[n] = cusp;
+        }
+    }
+    out
+}
+
 /// Every straight piece of some passes; a pass of one point is a piece without length.
 fn segments(passes: &[Pass]) -> Vec<Segment> {
     let mut out = Vec::new();
@@ -126,8 +182,11 @@ fn segments(passes: &[Pass]) -> Vec<Segment> {
     out
 }
 
-/// The cells to fill along (standing over `keep`, near one standing over `start`), and how many stand over `start`.
-fn standing(reach: &Reachable, swept: &Swept, options: &FillOptions) -> (Vec<(i64, i64)>, usize) {
+/// Columns and rows of cells, by row.
+type Cells = Vec<(i64, i64)>;
+
+/// The cells to fill along (standing over `keep`, near one standing over `start`), and those that stand over `start`.
+fn standing(reach: &Reachable, swept: &Swept, options: &FillOptions) -> (Cells, Cells) {
     let lattice = &reach.lattice;
     let (nx, ny) = (lattice.nx, lattice.ny);
     let cusp = |i: usize| -> f64 {
@@ -196,5 +255,9 @@ fn standing(reach: &Reachable, swept: &Swept, options: &FillOptions) -> (Vec<(i6
         .into_iter()
         .map(|i| ((i % nx) as i64, (i / nx) as i64))
         .collect();
-    (cells, seeds.len())
+    let over = seeds
+        .into_iter()
+        .map(|i| ((i % nx) as i64, (i / nx) as i64))
+        .collect();
+    (cells, over)
 }

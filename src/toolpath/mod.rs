@@ -11,6 +11,7 @@
 mod border;
 pub mod chain;
 mod corner;
+mod even;
 pub mod fill;
 pub mod fit;
 mod lead;
@@ -20,6 +21,7 @@ pub mod order;
 pub mod pass;
 pub mod plan;
 mod skeleton;
+mod stroke;
 mod turn;
 
 pub use fit::FitOptions;

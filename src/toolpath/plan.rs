@@ -1,7 +1,8 @@
 //! The whole shape half in one call: a placed part in, a proven toolpath out, with everything seen on the way.
 
 use super::chain::{ChainOptions, chains};
-use super::fill::{FillOptions, FillReport, fill};
+use super::even::{EvenOptions, correction};
+use super::fill::{FillOptions, FillReport, cusps_at_nodes, fill};
 use super::fit::FitOptions;
 use super::link::{Air, LinkOptions, link};
 use super::moves::Toolpath;
@@ -218,8 +219,12 @@ pub fn survey(
 
 /// Grows the features of a surveyed part, with a field whose unit is a cusp of `spaced_for` mm.
 pub fn features(ground: &Ground, strategy: Strategy, spaced_for: f64) -> Regions {
-    let ruler = strategy.ruler();
     let cusp = Metric::new(&ground.grid, Ruler::IsoScallop, spaced_for);
+    features_in(ground, strategy, spaced_for, &cusp)
+}
+
+fn features_in(ground: &Ground, strategy: Strategy, spaced_for: f64, cusp: &Metric) -> Regions {
+    let ruler = strategy.ruler();
     let own = (ruler != Ruler::IsoScallop).then(|| Metric::new(&ground.grid, ruler, spaced_for));
     let how = GrowOptions {
         ruler,
@@ -229,8 +234,8 @@ pub fn features(ground: &Ground, strategy: Strategy, spaced_for: f64) -> Regions
     };
     grow(
         &ground.grid,
-        &cusp,
-        own.as_ref().unwrap_or(&cusp),
+        cusp,
+        own.as_ref().unwrap_or(cusp),
         if std::env::var("ONE").is_ok() { &[] } else { &ground.critical },
         &how,
     )
@@ -275,13 +280,28 @@ fn plan_at(
     let (grid, cutter) = (&ground.grid, &ground.cutter);
     stage(Stage::Features);
     let spaced_for = share * options.scallop;
-    let regions = features(ground, options.strategy, spaced_for);
-    stage(Stage::Passes);
     let fitting = FitOptions::for_scallop(options.scallop, cutter.radius());
+    let mut metric = Metric::new(&ground.grid, Ruler::IsoScallop, spaced_for);
+    let mut regions = features_in(ground, options.strategy, spaced_for, &metric);
+    stage(Stage::Passes);
     let stepover = flat_stepover(options.scallop, cutter.radius());
     let corner = (links.feed * links.feed / (2.5 * links.acceleration)).min(CORNER * stepover);
     let shape = PassOptions { stepover, corner };
-    let laid = passes(grid, cutter, &regions, &shape, &fitting);
+    let mut laid = passes(grid, cutter, &regions, &shape, &fitting);
+    for _ in 0..std::env::var("EVEN").ok().and_then(|v| v.parse().ok()).unwrap_or(1) {
+        let cusps = cusps_at_nodes(grid, cutter, reach, &laid);
+        let how = EvenOptions {
+            spaced_for,
+            reach: (0.55 * stepover / grid.step).ceil() as usize,
+            bounds: [std::env::var("LOW").ok().and_then(|v| v.parse().ok()).unwrap_or(0.9), 1.25],
+        };
+        let factor = correction(grid, &metric, &regions, &cusps, &how);
+        for (t, f) in metric.tensor.iter_mut().zip(&factor) {
+            t.iter_mut().for_each(|v| *v *= f64::from(*f));
+        }
+        regions = features_in(ground, options.strategy, spaced_for, &metric);
+        laid = passes(grid, cutter, &regions, &shape, &fitting);
+    }
     let how = ChainOptions {
         stepover,
         reach: 6.0,
@@ -297,6 +317,7 @@ fn plan_at(
         rounds: 6,
     };
     let fill = fill(grid, cutter, &regions, reach, &mut all, &to_fill, &fitting);
+    if std::env::var("DUMP").is_ok() { use std::io::Write; if let Ok(mut f)=std::fs::File::create("/tmp/s2/passes.txt") { for p in &all { let _=writeln!(f,"{:?} {}",p.kind,p.points.iter().map(|q|format!("{:.3},{:.3},{:.3}",q.x,q.y,q.z)).collect::<Vec<_>>().join(" ")); } } }
     stage(Stage::Link);
     let mut joined = joined;
     joined.extend(chains(
