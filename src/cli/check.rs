@@ -6,7 +6,7 @@ use super::args::{PartArgs, ToolArgs, parse};
 use super::mill::StockArg;
 use super::output::{to_stdout, write_json, write_whole};
 use super::progress::Progress;
-use super::show::clock;
+use super::show::{clock, motion};
 use crate::machine::Machine;
 use crate::picture::{Gouge, HeatMap, Raster, heat_map};
 use crate::post::Post;
@@ -263,6 +263,7 @@ fn print(out: &mut dyn Write, report: &Report, args: &CheckArgs) -> std::io::Res
         t.cutting,
         t.air
     )?;
+    writeln!(out, "motion    {}", motion(&r.motion))?;
     if let (Some(a), Some(b)) = (r.extents.min, r.extents.max) {
         writeln!(
             out,

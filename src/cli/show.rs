@@ -3,7 +3,7 @@
 use crate::morse::{CriticalKind, CriticalPoint};
 use crate::part::{Format, Loaded, Placement, Soundness};
 use crate::post::Posted;
-use crate::simulate::DryRun;
+use crate::simulate::{DryRun, MotionFigures};
 use crate::toolpath::plan::Plan;
 use crate::toolpath::{MoveKind, PassKind, Stage};
 use serde::Serialize;
@@ -303,6 +303,21 @@ pub fn feature_table(w: &mut dyn Write, rows: &[FeatureJson]) -> io::Result<()> 
     writeln!(w)
 }
 
+/// How well the machine is moved, in one line.
+pub fn motion(m: &MotionFigures) -> String {
+    let turns = match m.largest_turn_line {
+        Some(line) => format!(
+            "largest turn {:.1} deg (line {line}), {} over 30",
+            m.largest_turn_deg, m.turns_over_30
+        ),
+        None => "no turns".into(),
+    };
+    format!(
+        "vertical RMS {:.1} mm/s2 at {:.2} mm/s; {:.1} % not cutting; {turns}",
+        m.vertical_acceleration_rms_mm_s2, m.vertical_speed_rms_mm_s, m.non_cutting_percent
+    )
+}
+
 /// The dry run's figures and its verdict.
 pub fn verdict(w: &mut dyn Write, d: &DryRun, scallop: f64) -> io::Result<()> {
     writeln!(
@@ -317,6 +332,7 @@ pub fn verdict(w: &mut dyn Write, d: &DryRun, scallop: f64) -> io::Result<()> {
         "program    {} lines, {:.0} mm at feed, {:.0} mm rapid, {} retracts",
         d.program.lines, d.program.cut_mm, d.program.rapid_mm, d.program.retracts
     )?;
+    writeln!(w, "motion     {}", motion(&d.motion))?;
     if let Some(f) = &d.finish {
         let s = &f.scallop_um;
         writeln!(

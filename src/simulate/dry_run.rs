@@ -1,6 +1,8 @@
 //! One call: text in, verdict out.
 
-use super::report::{DryRun, Extents, Kind, Problem, ProgramFigures, TimeFigures, Verdict};
+use super::report::{
+    DryRun, Extents, Kind, MotionFigures, Problem, ProgramFigures, TimeFigures, Verdict,
+};
 use super::start::Read;
 use super::{gouge, limits, material, start};
 use crate::gcode::{Dialect, Event};
@@ -98,6 +100,7 @@ pub fn dry_run(
             ..ProgramFigures::default()
         },
         time_s: TimeFigures::default(),
+        motion: MotionFigures::default(),
         extents: Extents::default(),
         finish: None,
         verdict: Verdict::Pass,
@@ -145,6 +148,7 @@ fn run(
         dwell: times.dwell.0,
         idle: times.idle.0,
     };
+    report.motion = MotionFigures::from(&times.motion);
 
     let radius = part.map_or(0.0, |p| p.drop.radius());
     let (moves, figures) = material::moves(&program.events, radius);
