@@ -82,7 +82,7 @@ pub fn run(a: &FeaturesArgs) -> Result<ExitCode, Failure> {
     show::warn(&loaded, &placement);
     let options = PlanOptions {
         scallop: a.tool.scallop,
-        strategy: a.strategy.with_angle(0.0),
+        strategy: a.strategy.with_angle(None),
         grid_step: None,
         persistence: a.persistence,
         memory_limit_bytes: 4 << 30,
@@ -98,7 +98,7 @@ pub fn run(a: &FeaturesArgs) -> Result<ExitCode, Failure> {
     let regions = plan::features(
         &ground,
         options.strategy,
-        plan::PLAN_SHARES[0] * a.tool.scallop,
+        crate::toolpath::PLAN_SHARES[0] * a.tool.scallop,
     );
     progress.finish();
     if let Some(file) = &a.picture {

@@ -11,7 +11,9 @@ use crate::post::{Coolant, Job, Post, write};
 use crate::reach::DropCutter;
 use crate::simulate::{DryRun, DryRunOptions, Kind, PartContext, Stock, dry_run};
 use crate::toolpath::plan::{self, Plan};
-use crate::toolpath::{Ground, LinkOptions, PlanOptions, Stage, Strategy};
+use crate::toolpath::{
+    FILL_START, Figures, Ground, LinkOptions, PlanOptions, RETRACT_WORTH, Stage, Strategy, Toolpath,
+};
 use crate::units::{MmPerMin, Rpm, Seconds};
 use crate::verify::{Deviation, dialect_of, verify};
 use std::collections::BTreeMap;
@@ -33,16 +35,11 @@ pub struct MillArgs {
     #[allow(missing_docs)]
     pub tool: ToolArgs,
     /// How passes are spaced
-    #[arg(long, value_enum, default_value_t = StrategyName::IsoScallop)]
+    #[arg(long, value_enum, default_value_t = StrategyName::Auto)]
     pub strategy: StrategyName,
-    /// Direction of isoplanar passes, degrees from X
-    #[arg(
-        long,
-        default_value_t = 0.0,
-        allow_negative_numbers = true,
-        value_name = "DEGREES"
-    )]
-    pub angle: f64,
+    /// Direction of plane sections, degrees from X; a raster finds its own when left out, isoplanar features take 0
+    #[arg(long, allow_negative_numbers = true, value_name = "DEGREES")]
+    pub angle: Option<f64>,
     /// Machine: a name from `morsemill machines`, or a file
     #[arg(long, default_value = DEFAULT_MACHINE, value_name = "NAME|FILE")]
     pub machine: String,
@@ -94,21 +91,30 @@ pub struct MillArgs {
 /// The strategies by name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum StrategyName {
+    /// The quickest of the others
+    Auto,
     /// Equal cusps everywhere
     IsoScallop,
     /// Equal distance on the part
     IsoPickFeed,
     /// Plane sections
     Isoplanar,
+    /// The whole part as one feature, equal cusps everywhere
+    Whole,
+    /// The whole part in plane sections
+    Raster,
 }
 
 impl StrategyName {
     /// With the angle of plane sections filled in.
-    pub fn with_angle(self, angle: f64) -> Strategy {
+    pub fn with_angle(self, angle: Option<f64>) -> Strategy {
         match self {
+            StrategyName::Auto => Strategy::Auto,
+            StrategyName::Whole => Strategy::Whole,
+            StrategyName::Raster => Strategy::Raster(angle),
             StrategyName::IsoScallop => Strategy::IsoScallop,
             StrategyName::IsoPickFeed => Strategy::IsoPickFeed,
-            StrategyName::Isoplanar => Strategy::Isoplanar(angle),
+            StrategyName::Isoplanar => Strategy::Isoplanar(angle.unwrap_or(0.0)),
         }
     }
 }
@@ -216,10 +222,11 @@ fn settle(a: &MillArgs) -> Result<Settings, Failure> {
     if let Some(p) = a.persistence {
         above_zero("--persistence", p, "mm")?;
     }
-    if !a.angle.is_finite() {
+    if let Some(angle) = a.angle
+        && !angle.is_finite()
+    {
         return Err(Failure::Failed(format!(
-            "--angle {}: must be a number of degrees",
-            a.angle
+            "--angle {angle}: must be a number of degrees"
         )));
     }
     let machine = Machine::load(&a.machine).map_err(Failure::failed)?;
@@ -321,7 +328,14 @@ pub fn run(a: &MillArgs) -> Result<ExitCode, Failure> {
     let ground =
         plan::survey(cutter, &s.plan, &mut announce, &mut stage).map_err(Failure::failed)?;
     let links = link_options(a, &s, &placement);
-    let (planned, reachable) = plan::plan(&placement.mesh, &ground, &s.plan, &links, &mut stage);
+    let (planned, reachable) = plan::plan(
+        &placement.mesh,
+        &ground,
+        &s.plan,
+        &links,
+        &weigh_on(&s.machine, a.feed, a.plunge),
+        &mut stage,
+    );
     let mut progress = progress.into_inner();
 
     progress.stage("post", "writing the program");
@@ -423,6 +437,12 @@ pub fn run(a: &MillArgs) -> Result<ExitCode, Failure> {
     })
 }
 
+/// The machine's own planner as a judge of toolpaths.
+fn weigh_on(machine: &Machine, feed: f64, plunge: f64) -> impl Fn(&Toolpath) -> Figures + Sync {
+    let settings = crate::kinematics::Settings::from(machine);
+    move |path| crate::weigh::weigh(path, &settings, MmPerMin(feed), MmPerMin(plunge))
+}
+
 fn link_options(a: &MillArgs, s: &Settings, placement: &Placement) -> LinkOptions {
     let m = &s.machine;
     let top = placement.mesh.bounds().max.z;
@@ -444,6 +464,7 @@ fn link_options(a: &MillArgs, s: &Settings, placement: &Placement) -> LinkOption
         clearance: CLEARANCE,
         block_center_z: block,
         safe_center_z: top + allowance + SAFE_ABOVE + a.tool.tool.radius,
+        retract_worth: RETRACT_WORTH,
     }
 }
 
@@ -474,7 +495,7 @@ fn job(a: &MillArgs, s: &Settings, placement: &Placement, ground: &Ground, plann
         },
         format!(
             "strategy {} scallop {} mm",
-            s.plan.strategy.name(),
+            planned.layout.name(),
             a.tool.scallop
         ),
         format!("machine {} post {}", s.machine.name, s.post.name),
@@ -489,7 +510,7 @@ fn job(a: &MillArgs, s: &Settings, placement: &Placement, ground: &Ground, plann
             "cusps planned at {:.1} um, grid step {:.3} mm, filled where over {:.1} um",
             planned.spaced_for * um,
             ground.grid.step,
-            plan::FILL_START * a.tool.scallop * um
+            FILL_START * a.tool.scallop * um
         ),
     ];
     Job {
@@ -531,12 +552,7 @@ fn mill_json<'a>(
         planned_memory_mib: planned_bytes >> 20,
         critical_points: show::critical_json(&ground.critical),
         features,
-        strategies: vec![StrategyJson {
-            name: s.plan.strategy.name(),
-            cut_mm: verdict.program.cut_mm,
-            time_s: verdict.time_s.total,
-            retracts: verdict.program.retracts,
-        }],
+        strategies: show::strategies(planned),
         fill: FillJson {
             rounds: planned.fill.rounds,
             passes: planned.fill.added,

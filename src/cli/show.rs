@@ -72,14 +72,45 @@ pub struct FeatureJson {
 /// A strategy in a report.
 #[derive(Clone, Debug, Serialize)]
 pub struct StrategyJson {
-    /// Its name.
-    pub name: &'static str,
-    /// Cutting length.
+    /// Its name, and where it begins or runs.
+    pub name: String,
+    /// Length at cutting feed, links among it.
     pub cut_mm: f64,
-    /// Time on the machine.
+    /// Time on the machine, without waiting for the spindle.
     pub time_s: f64,
+    /// Of that, links along the surface.
+    pub link_s: f64,
+    /// Of that, moves through the air and straight up and down.
+    pub air_s: f64,
+    /// Cutting passes.
+    pub passes: usize,
     /// Retracts.
     pub retracts: usize,
+    /// Root of the mean square of the tool's vertical acceleration while it cuts.
+    pub vertical_acceleration_rms_mm_s2: f64,
+    /// Largest turn between consecutive cutting moves.
+    pub largest_turn_deg: f64,
+    /// The program is this one.
+    pub chosen: bool,
+}
+
+/// The candidates of a plan for JSON: the chosen one among them, and both rasters.
+pub fn strategies(plan: &Plan) -> Vec<StrategyJson> {
+    plan.candidates
+        .iter()
+        .map(|c| StrategyJson {
+            name: c.name.clone(),
+            cut_mm: c.cut_mm,
+            time_s: c.figures.time_s,
+            link_s: c.figures.link_s,
+            air_s: c.figures.air_s,
+            passes: c.passes,
+            retracts: c.retracts,
+            vertical_acceleration_rms_mm_s2: c.figures.vertical_acceleration_rms,
+            largest_turn_deg: c.figures.largest_turn_deg,
+            chosen: c.chosen,
+        })
+        .collect()
 }
 
 /// Name for JSON and words for the progress line.
@@ -87,6 +118,7 @@ pub fn stage_words(at: Stage) -> (&'static str, &'static str) {
     match at {
         Stage::Reach => ("reach", "dropping the ball on the part"),
         Stage::Morse => ("morse", "finding critical points"),
+        Stage::Choose => ("choose", "choosing how to cut it"),
         Stage::Features => ("features", "growing features"),
         Stage::Passes => ("passes", "laying passes"),
         Stage::Reachable => ("reachable", "finding what this ball can reach"),

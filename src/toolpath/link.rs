@@ -32,6 +32,8 @@ pub struct LinkOptions {
     pub block_center_z: f64,
     /// Height of the ball's centre at which everything is clear, mm.
     pub safe_center_z: f64,
+    /// How much longer a link along the surface may take than a retract, s; -inf to retract after every pass.
+    pub retract_worth: f64,
 }
 
 /// Where the air begins: a ball thicker by the stock allowance, dropped onto the part.
@@ -75,8 +77,8 @@ impl Air {
     }
 }
 
-/// A retract is worth this much more than the time it takes, s: it leaves a mark, and the plunge behind it another.
-const RETRACT: f64 = 2.0;
+/// A good [`LinkOptions::retract_worth`], s: a retract leaves a mark, and the plunge behind it another.
+pub const RETRACT_WORTH: f64 = 2.0;
 
 /// Joins ordered chains into one toolpath: the ball's centre becomes the tool tip, one radius lower. Also says which feature each
 /// section of it cuts.
@@ -275,7 +277,7 @@ fn between(
     if (a.xy() - b.xy()).norm() < 1e-6 && (a.z - b.z).abs() < 1e-6 {
         return Link::Down(Vec::new());
     }
-    let limit = hop.time(options) + RETRACT;
+    let limit = hop.time(options) + options.retract_worth;
     let (Some(p), Some(q)) = (exit(from), start(to)) else {
         return Link::Hop(hop);
     };
@@ -292,25 +294,4 @@ fn between(
         return Link::Hop(hop);
     }
     Link::Down(points[1..].to_vec())
-}
-
-impl Toolpath {
-    /// About how long this takes, s: lengths over speeds, and a stop for each link. To compare plans of one part with, not to promise.
-    pub fn rough_time(&self, options: &LinkOptions) -> f64 {
-        let stop = options.feed / options.acceleration;
-        self.moves
-            .windows(2)
-            .map(|w| {
-                let length = (w[1].to - w[0].to).norm();
-                let turn = if w[0].kind == w[1].kind { 0.0 } else { stop };
-                turn + match w[1].kind {
-                    MoveKind::Cut | MoveKind::Link => length / options.feed,
-                    MoveKind::Plunge => length / options.plunge,
-                    MoveKind::Rapid | MoveKind::Retract => {
-                        length / options.rapid_xy.min(options.rapid_z)
-                    }
-                }
-            })
-            .sum()
-    }
 }

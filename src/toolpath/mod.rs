@@ -11,9 +11,11 @@
 mod border;
 pub mod chain;
 mod corner;
+mod estimate;
 mod even;
 pub mod fill;
 pub mod fit;
+mod layout;
 mod lead;
 pub mod link;
 pub mod moves;
@@ -25,7 +27,8 @@ mod stroke;
 mod turn;
 
 pub use fit::FitOptions;
-pub use link::LinkOptions;
+pub use layout::{FILL_START, Layout, PLAN_SHARES, flat_stepover};
+pub use link::{LinkOptions, RETRACT_WORTH};
 pub use moves::{Move, MoveKind, Section, Toolpath};
 pub use pass::{Pass, PassKind, PassOptions};
-pub use plan::{Ground, Plan, PlanOptions, Stage, Strategy};
+pub use plan::{Candidate, Figures, Ground, Plan, PlanOptions, Stage, Strategy};
