@@ -1,6 +1,6 @@
 //! The whole shape half in one call: a placed part in, a proven toolpath out, with everything seen on the way.
 
-use super::fill::{FillOptions, FillReport, fill};
+use super::fill::{FillOptions, FillReport, far, fill};
 use super::fit::FitOptions;
 use super::link::{Air, LinkOptions, link};
 use super::moves::Toolpath;
@@ -12,7 +12,7 @@ use crate::geom::{Point, Vector2};
 use crate::morse::{CriticalPoint, HeightField, MorseOptions, critical_points};
 use crate::part::Mesh;
 use crate::reach::{DropCutter, GridError, GridOptions, GridPlan, ToolCentreGrid};
-use crate::sweep::{Reachable, reachable, reachable_bytes};
+use crate::sweep::{ReachTiles, reachable_bytes};
 
 /// How passes are spaced.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -133,8 +133,8 @@ pub fn flat_stepover(scallop: f64, radius: f64) -> f64 {
         .sqrt()
 }
 
-/// Cells of a sweep map at most, so that a large part is judged more coarsely rather than not at all.
-const CELLS: f64 = 24e6;
+/// Cells that are judged at most: beyond it nobody would wait.
+const CELLS: f64 = 1e9;
 
 /// Step of the sweep map over a part that resolves such a cusp, mm.
 pub fn sweep_step(cutter: &DropCutter, scallop: f64) -> f64 {
@@ -234,16 +234,18 @@ pub fn features(ground: &Ground, strategy: Strategy, spaced_for: f64) -> Regions
 }
 
 /// Plans the toolpath of a surveyed part (`part` is the mesh its cutter was made from). Also hands back the reachable surface it was
-/// judged against.
-pub fn plan(
+/// judged against, in tiles.
+pub fn plan<'g>(
     part: &Mesh,
-    ground: &Ground,
+    ground: &'g Ground,
     options: &PlanOptions,
     links: &LinkOptions,
     stage: &mut dyn FnMut(Stage),
-) -> (Plan, Reachable) {
+) -> (Plan, ReachTiles<'g>) {
     stage(Stage::Reachable);
-    let reach = reachable(&ground.cutter, sweep_step(&ground.cutter, options.scallop));
+    let step = sweep_step(&ground.cutter, options.scallop);
+    let stepover = flat_stepover(options.scallop, ground.cutter.radius());
+    let reach = ReachTiles::new(&ground.cutter, step, far(stepover, step) as usize + 1);
     let air = Air::new(part, &ground.cutter, links);
     let mut best = plan_at(ground, &reach, &air, options, PLAN_SHARES[0], links, stage);
     for &share in &PLAN_SHARES[1..] {
@@ -262,7 +264,7 @@ pub fn plan(
 
 fn plan_at(
     ground: &Ground,
-    reach: &Reachable,
+    reach: &ReachTiles,
     air: &Air,
     options: &PlanOptions,
     share: f64,
@@ -283,7 +285,7 @@ fn plan_at(
         keep: 0.75,
         rounds: 6,
     };
-    let fill = fill(grid, cutter, &regions, reach, &mut all, &how, &fitting);
+    let fill = fill(grid, &regions, reach, &mut all, &how, &fitting);
     stage(Stage::Link);
     // Begin at the corner of the part nearest the operator's zero: lowest x and y, from above.
     let b = cutter.bounds();
