@@ -373,7 +373,6 @@ pub fn run(a: &MillArgs) -> Result<ExitCode, Failure> {
             &pictures::Subject::new(&a.part, &placement, a.picture_width),
             &ground,
             &planned,
-            &reachable,
             &verdict,
             a.tool.scallop,
         )?;

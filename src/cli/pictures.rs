@@ -12,7 +12,7 @@ use crate::picture::{
 };
 use crate::reach::{NodeKind, ToolCentreGrid};
 use crate::simulate::DryRun;
-use crate::sweep::{CuspMap, Lattice, Reachable};
+use crate::sweep::{CuspMap, Lattice};
 use crate::toolpath::plan::Plan;
 use crate::toolpath::{Ground, MoveKind, PassKind};
 use std::path::Path;
@@ -55,11 +55,13 @@ pub fn draw_all(
     of: &Subject,
     ground: &Ground,
     plan: &Plan,
-    reach: &Reachable,
     verdict: &DryRun,
     scallop: f64,
 ) -> Result<(), Failure> {
-    let heights = part_heights(reach);
+    let heights = match &verdict.map {
+        Some(map) => raster_of_lattice(&map.lattice, map.part_mm.clone()),
+        None => grid_heights(ground),
+    };
     write_whole(
         &dir.join("features.png"),
         &feature_picture(of, ground, &plan.regions, &heights)?,
@@ -79,6 +81,10 @@ pub fn draw_all(
 
 /// The picture of critical points and features, as PNG bytes.
 pub fn features(of: &Subject, ground: &Ground, regions: &Regions) -> Result<Vec<u8>, Failure> {
+    feature_picture(of, ground, regions, &grid_heights(ground))
+}
+
+fn grid_heights(ground: &Ground) -> Raster<f32> {
     let g = &ground.grid;
     let heights = (0..g.len())
         .map(|i| {
@@ -89,7 +95,7 @@ pub fn features(of: &Subject, ground: &Ground, regions: &Regions) -> Result<Vec<
                 .map_or(f32::NAN, |z| z as f32)
         })
         .collect();
-    feature_picture(of, ground, regions, &raster_of_grid(g, heights))
+    raster_of_grid(g, heights)
 }
 
 fn failed(e: PictureError) -> Failure {
@@ -114,13 +120,6 @@ fn raster_of_lattice<T>(l: &Lattice, values: Vec<T>) -> Raster<T> {
         ny: l.ny,
         values,
     }
-}
-
-fn part_heights(reach: &Reachable) -> Raster<f32> {
-    raster_of_lattice(
-        &reach.lattice,
-        reach.part_z.iter().map(|z| *z as f32).collect(),
-    )
 }
 
 fn markers(critical: &[CriticalPoint]) -> Vec<Marker> {

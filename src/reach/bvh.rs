@@ -61,6 +61,12 @@ impl Bound {
         x >= self.x[0] && x <= self.x[1] && y >= self.y[0] && y <= self.y[1]
     }
 
+    /// True when the box overlaps a rectangle in plan, borders included.
+    #[inline]
+    pub fn overlaps(&self, min: [f64; 2], max: [f64; 2]) -> bool {
+        self.x[0] <= max[0] && self.x[1] >= min[0] && self.y[0] <= max[1] && self.y[1] >= min[1]
+    }
+
     /// Highest point inside.
     #[inline]
     pub fn top(&self) -> f64 {

@@ -201,6 +201,32 @@ impl DropCutter {
         }
     }
 
+    /// The triangles whose boxes in plan overlap a rectangle, in the order of the tree.
+    pub(super) fn within(&self, min: [f64; 2], max: [f64; 2]) -> Vec<[Point; 3]> {
+        let mut out = Vec::new();
+        let mut stack = vec![0u32];
+        if self.bvh.nodes.is_empty() {
+            return out;
+        }
+        while let Some(index) = stack.pop() {
+            let node = &self.bvh.nodes[index as usize];
+            if !node.bound.overlaps(min, max) {
+                continue;
+            }
+            if node.count > 0 {
+                for k in node.first as usize..(node.first + node.count) as usize {
+                    if self.bvh.bounds[k].overlaps(min, max) {
+                        out.push(self.triangles[k]);
+                    }
+                }
+            } else {
+                stack.push(node.first + 1);
+                stack.push(node.first);
+            }
+        }
+        out
+    }
+
     /// True when the contact sits on the outline of the part's shadow: some point `reach` mm beside it is over empty air.
     /// A ball there rolls off the part's edge rather than over its surface.
     pub fn on_outline(&self, contact: &Contact, reach: f64) -> bool {

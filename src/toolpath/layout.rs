@@ -16,7 +16,7 @@ use crate::feature::{GrowOptions, Regions, Source, farthest, grow, whole};
 use crate::field::{Front, Metric, Ruler};
 use crate::geom::Point;
 use crate::reach::{DropCutter, NodeKind, ToolCentreGrid};
-use crate::sweep::Reachable;
+use crate::sweep::ReachTiles;
 
 /// What becomes a feature.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,7 +43,7 @@ impl Layout {
 /// Everything a layout is laid with.
 pub(super) struct Bench<'a> {
     pub ground: &'a Ground,
-    pub reach: &'a Reachable,
+    pub reach: &'a ReachTiles<'a>,
     pub air: &'a Air,
     pub options: &'a PlanOptions,
     pub links: &'a LinkOptions,
@@ -73,8 +73,8 @@ pub fn flat_stepover(scallop: f64, radius: f64) -> f64 {
         .sqrt()
 }
 
-/// Cells of a sweep map at most, so that a large part is judged more coarsely rather than not at all.
-const CELLS: f64 = 24e6;
+/// Cells that are judged at most: beyond it nobody would wait.
+const CELLS: f64 = 1e9;
 
 /// Step of the sweep map over a part that resolves such a cusp, mm.
 pub fn sweep_step(cutter: &DropCutter, scallop: f64) -> f64 {
@@ -159,13 +159,13 @@ fn lay_at(bench: &Bench, layout: &Layout, share: f64, stage: &mut dyn FnMut(Stag
     if is_raster {
         // Its one step is measured, not reckoned: as wide as its worst place allows.
         for _ in 0..2 {
-            let cusps = cusps_at_nodes(grid, cutter, reach, &laid);
+            let cusps = cusps_at_nodes(grid, reach, &laid);
             let worst = highest_inside(grid, &cusps);
             widen(&mut regions, (options.scallop / worst).sqrt().clamp(0.5, 2.0));
             laid = passes(grid, cutter, &regions, &shape, &fitting);
         }
     } else if layout_ruler(layout) == Ruler::IsoScallop {
-        let cusps = cusps_at_nodes(grid, cutter, reach, &laid);
+        let cusps = cusps_at_nodes(grid, reach, &laid);
         let how = EvenOptions {
             spaced_for,
             reach: (0.55 * stepover / grid.step).ceil() as usize,
@@ -193,7 +193,7 @@ fn lay_at(bench: &Bench, layout: &Layout, share: f64, stage: &mut dyn FnMut(Stag
         keep: 0.75,
         rounds: 6,
     };
-    let fill = fill(grid, cutter, &regions, reach, &mut all, &to_fill, &fitting);
+    let fill = fill(grid, &regions, reach, &mut all, &to_fill, &fitting);
     stage(Stage::Link);
     joined.extend(chains(cutter, all.split_off(before), &how, links, &fitting));
     let ordered = order(joined, home(cutter));

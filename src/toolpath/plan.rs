@@ -1,7 +1,7 @@
 //! The whole shape half in one call: a placed part in, a proven toolpath out, with everything seen on the way.
 
 use super::estimate::{best_raster_angle, best_source};
-use super::fill::FillReport;
+use super::fill::{FillReport, far};
 use super::fit::FitOptions;
 use super::layout::{Bench, Layout, flat_stepover, lay, regions_of, sweep_step};
 use super::link::{Air, LinkOptions};
@@ -13,7 +13,7 @@ use crate::geom::Vector2;
 use crate::morse::{CriticalPoint, HeightField, MorseOptions, critical_points};
 use crate::part::Mesh;
 use crate::reach::{DropCutter, GridError, GridOptions, GridPlan, ToolCentreGrid};
-use crate::sweep::{Reachable, reachable, reachable_bytes};
+use crate::sweep::{ReachTiles, reachable_bytes};
 
 /// What becomes a feature, and how passes are spaced in it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -269,17 +269,19 @@ pub fn features(ground: &Ground, strategy: Strategy, spaced_for: f64) -> Regions
 const LAID_TWICE: usize = 3_000_000;
 
 /// Plans the toolpath of a surveyed part (`part` is the mesh its cutter was made from). Also hands back the reachable surface it was
-/// judged against.
-pub fn plan(
+/// judged against, in tiles.
+pub fn plan<'g>(
     part: &Mesh,
-    ground: &Ground,
+    ground: &'g Ground,
     options: &PlanOptions,
     links: &LinkOptions,
     weigh: Weigh,
     stage: &mut dyn FnMut(Stage),
-) -> (Plan, Reachable) {
+) -> (Plan, ReachTiles<'g>) {
     stage(Stage::Reachable);
-    let reach = reachable(&ground.cutter, sweep_step(&ground.cutter, options.scallop));
+    let step = sweep_step(&ground.cutter, options.scallop);
+    let stepover = flat_stepover(options.scallop, ground.cutter.radius());
+    let reach = ReachTiles::new(&ground.cutter, step, far(stepover, step) as usize + 1);
     let air = Air::new(part, &ground.cutter, links);
     let bench = Bench {
         ground,
