@@ -266,16 +266,6 @@ pub fn run(a: &FeaturesArgs) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Share of a function's range below which differences are its own error: average distance is good to a percent, and curvature, a
-/// second derivative, is the roughest of all.
-fn share_of_range(function: MorseFunction) -> f64 {
-    match function {
-        MorseFunction::Geodesic => 0.01,
-        MorseFunction::MeanCurvature => 0.05,
-        _ => 0.0,
-    }
-}
-
 /// Radius that curvature is averaged over: one and a half stepovers.
 fn curvature_radius(a: &FeaturesArgs) -> f64 {
     1.5 * flat_stepover(a.tool.scallop, a.tool.tool.radius)
@@ -309,9 +299,10 @@ fn on_grid(
             average: AverageOptions::default(),
         },
     );
-    let share = share_of_range(function);
-    if share > 0.0 && a.persistence.is_none() {
-        ground.persistence = share * field.range();
+    // Heights have the planner's own yardstick: cusps, steps of the grid, roughness of the border.
+    let of_heights = matches!(function, MorseFunction::Height | MorseFunction::Projection);
+    if !of_heights && a.persistence.is_none() {
+        ground.persistence = field.noise();
     }
     stage(Stage::Features);
     let spaced_for = plan::PLAN_SHARES[0] * a.tool.scallop;
@@ -392,26 +383,19 @@ fn on_mesh(
     progress.stage("morse", "finding critical points");
     let function = a.function.function();
     let surface = Surface::of_mesh(&placement.mesh, &loaded.soundness);
-    let value = mesh::values(
-        &surface,
-        function,
-        &MeshOptions {
-            // A facet says nothing of curvature by itself.
-            radius: curvature_radius(a).max(2.0 * surface.mean_edge()),
-            average: AverageOptions::default(),
-        },
-    );
+    let how = MeshOptions {
+        // A facet says nothing of curvature by itself.
+        radius: curvature_radius(a).max(2.0 * surface.mean_edge()),
+        average: AverageOptions::default(),
+    };
+    let value = mesh::values(&surface, function, &how);
     let morse = MeshMorse::new(&surface, &value);
     let persistence = a.persistence.unwrap_or_else(|| {
-        let (lo, hi) = value
-            .iter()
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), v| {
-                (lo.min(*v), hi.max(*v))
-            });
-        match share_of_range(function) {
-            s if s > 0.0 => s * (hi - lo).max(0.0),
+        let noise = mesh::noise_of(&surface, function, &value, &how);
+        match function {
             // As on the grid: a cusp and a half; and what noise of the mesh digs.
-            _ => (1.5 * a.tool.scallop).max(8.0 * mesh::roughness(&surface, &value)),
+            MorseFunction::Height | MorseFunction::Projection => noise.max(1.5 * a.tool.scallop),
+            _ => noise,
         }
     });
     let critical = morse.critical_points(persistence);

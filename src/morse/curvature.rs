@@ -94,78 +94,137 @@ pub fn at_place(grid: &ToolCentreGrid, x: f64, y: f64, radius: f64) -> f64 {
 
 /// Vertices looked at about one, at most: where a mesh is far finer than the radius its nearest rings are enough.
 const MOST: usize = 400;
+/// One vertex, or node, in so many is asked twice for the roughness.
+const ONE_IN: usize = 16;
 
-/// Mean curvature at each vertex of a mesh, 1/mm, averaged over `radius` mm along the mesh. Zero on pieces that are all border.
-pub fn of_surface(surface: &Surface, radius: f64) -> Vec<f64> {
-    let n = surface.len();
-    // Area gradient: half the opposite side, turned in the triangle's plane.
-    let mut gradient = vec![Vector::zeros(); n];
-    let mut normal = vec![Vector::zeros(); n];
-    for t in &surface.triangles {
-        let d = surface.doubled_area(t);
-        let Some(unit) = d.try_normalize(0.0).filter(|u| u.x.is_finite()) else {
-            continue;
-        };
-        for k in 0..3 {
-            let (a, b) = (t[(k + 1) % 3] as usize, t[(k + 2) % 3] as usize);
-            let v = t[k] as usize;
-            gradient[v] += 0.5 * unit.cross(&(surface.points[b] - surface.points[a]));
-            normal[v] += d;
+/// What a mesh bends by, added up vertex by vertex.
+struct Bends<'a> {
+    surface: &'a Surface,
+    /// Integral of H about each vertex, mm.
+    bent: Vec<f64>,
+}
+
+impl Bends<'_> {
+    fn new(surface: &Surface) -> Bends<'_> {
+        let n = surface.len();
+        // Area gradient: half the opposite side, turned in the triangle's plane.
+        let mut gradient = vec![Vector::zeros(); n];
+        let mut normal = vec![Vector::zeros(); n];
+        for t in &surface.triangles {
+            let d = surface.doubled_area(t);
+            let Some(unit) = d.try_normalize(0.0).filter(|u| u.x.is_finite()) else {
+                continue;
+            };
+            for k in 0..3 {
+                let (a, b) = (t[(k + 1) % 3] as usize, t[(k + 2) % 3] as usize);
+                let v = t[k] as usize;
+                gradient[v] += 0.5 * unit.cross(&(surface.points[b] - surface.points[a]));
+                normal[v] += d;
+            }
         }
+        let bent = gradient
+            .iter()
+            .zip(&normal)
+            .map(|(g, n)| n.try_normalize(0.0).map_or(0.0, |n| 0.5 * g.dot(&n)))
+            .map(|h| if h.is_finite() { h } else { 0.0 })
+            .collect();
+        Bends { surface, bent }
     }
-    let bent: Vec<f64> = gradient
-        .iter()
-        .zip(&normal)
-        .map(|(g, n)| n.try_normalize(0.0).map_or(0.0, |n| 0.5 * g.dot(&n)))
-        .map(|h| if h.is_finite() { h } else { 0.0 })
-        .collect();
-    let full = |v: usize| !surface.border[v];
-    // (sum of integrals, sum of areas) within the radius; no area where only border is near.
-    let sums: Vec<(f64, f64)> = (0..n)
-        .into_par_iter()
-        .with_min_len(4096)
-        .map_init(
-            || (Vec::<u32>::new(), Vec::<bool>::new()),
-            |(found, seen), v| {
-                if seen.is_empty() {
-                    seen.resize(n, false);
+
+    /// The mean within a radius, each vertex counting less the farther it is; `None` where only border is near. `seen` is all false, and
+    /// is so again afterwards.
+    fn about(
+        &self,
+        v: usize,
+        radius: f64,
+        most: usize,
+        found: &mut Vec<u32>,
+        seen: &mut [bool],
+    ) -> Option<f64> {
+        let s = self.surface;
+        found.clear();
+        found.push(v as u32);
+        seen[v] = true;
+        let (mut bend, mut area) = (0.0, 0.0);
+        let (mut next, mut asked) = (0, 0);
+        while let Some(&u) = found.get(next) {
+            next += 1;
+            let u = u as usize;
+            let away = |x: usize| (s.points[x] - s.points[v]).norm_squared() / (radius * radius);
+            if !s.border[u] {
+                let w = (1.0 - away(u)).max(if u == v { 1.0 } else { 0.0 });
+                bend += w * self.bent[u];
+                area += w * s.area[u];
+            }
+            for &x in s.neighbours(u) {
+                // A spine that thousands of triangles share must not be walked along for each of them.
+                asked += 1;
+                if found.len() >= most || asked > 16 * most {
+                    break;
                 }
-                found.clear();
-                found.push(v as u32);
-                seen[v] = true;
-                let (mut bend, mut area) = (0.0, 0.0);
-                let mut next = 0;
-                while let Some(&u) = found.get(next) {
-                    next += 1;
-                    let u = u as usize;
-                    let d2 =
-                        (surface.points[u] - surface.points[v]).norm_squared() / (radius * radius);
-                    if full(u) {
-                        let w = (1.0 - d2).max(if u == v { 1.0 } else { 0.0 });
-                        bend += w * bent[u];
-                        area += w * surface.area[u];
-                    }
-                    for &x in surface.neighbours(u) {
-                        let near = (surface.points[x as usize] - surface.points[v]).norm_squared()
-                            < radius * radius;
-                        if near && !seen[x as usize] && found.len() < MOST {
-                            seen[x as usize] = true;
-                            found.push(x);
-                        }
-                    }
+                if !seen[x as usize] && away(x as usize) < 1.0 {
+                    seen[x as usize] = true;
+                    found.push(x);
                 }
-                for &u in found.iter() {
-                    seen[u as usize] = false;
-                }
-                (bend, area)
-            },
-        )
-        .collect();
-    let known: Vec<Option<f64>> = sums
-        .iter()
-        .map(|&(bend, area)| (area > 0.0).then(|| bend / area))
-        .collect();
+            }
+        }
+        for &u in found.iter() {
+            seen[u as usize] = false;
+        }
+        (area > 0.0).then(|| bend / area)
+    }
+
+    /// The same at every `step`-th vertex, on all cores.
+    fn at_each(&self, step: usize, radius: f64, most: usize) -> Vec<Option<f64>> {
+        let n = self.surface.len();
+        (0..n.div_ceil(step))
+            .into_par_iter()
+            .with_min_len(4096 / step)
+            .map_init(
+                || (Vec::new(), vec![false; n]),
+                |(found, seen), k| self.about(k * step, radius, most, found, seen),
+            )
+            .collect()
+    }
+}
+
+/// Mean curvature at each vertex of a mesh, 1/mm, averaged over `radius` mm along the mesh (or the nearest few hundred vertices).
+/// Zero on pieces that are all border.
+pub fn of_surface(surface: &Surface, radius: f64) -> Vec<f64> {
+    let known = Bends::new(surface).at_each(1, radius, MOST);
     spread_to_border(surface, known)
+}
+
+/// How rough that is, 1/mm, as a standard deviation: what it differs by from the mean over twice the radius, by the median.
+pub fn roughness_of_surface(surface: &Surface, radius: f64) -> f64 {
+    let bends = Bends::new(surface);
+    let fine = bends.at_each(ONE_IN, radius, MOST);
+    let wide = bends.at_each(ONE_IN, 2.0 * radius, 4 * MOST);
+    spread(
+        fine.into_iter()
+            .zip(wide)
+            .filter_map(|(a, b)| Some(a? - b?)),
+    )
+}
+
+/// The same on a grid.
+pub fn roughness_of_grid(grid: &ToolCentreGrid, value: &[f64], radius: f64) -> f64 {
+    let off: Vec<f64> = (0..grid.len())
+        .into_par_iter()
+        .filter(|&i| grid.kind[i] == NodeKind::Ground && i % (ONE_IN + 1) == 0)
+        .map(|i| {
+            let q = grid.xy(i);
+            value[i] - at_place(grid, q.x, q.y, 2.0 * radius)
+        })
+        .collect();
+    spread(off.into_iter())
+}
+
+/// Standard deviation by the median of the size; zero of nothing.
+fn spread(off: impl Iterator<Item = f64>) -> f64 {
+    let mut size: Vec<f64> = off.map(f64::abs).collect();
+    size.sort_unstable_by(f64::total_cmp);
+    size.get(size.len() / 2).map_or(0.0, |m| m / 0.6745)
 }
 
 /// Ring by ring, the mean of the neighbours that have a value.

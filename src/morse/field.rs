@@ -5,7 +5,7 @@ use super::cancel::{Pair, peaks, pits};
 use super::critical::{CriticalKind, CriticalPoint, Link, Scalar, classify};
 use super::curvature;
 use super::euler::Euler;
-use super::function::MorseFunction;
+use super::function::{MorseFunction, noise};
 use super::height::{beyond_border, border_doubt, linear};
 use super::plane::Plane;
 use super::refine::{is_beside_border, refined};
@@ -34,8 +34,9 @@ pub struct GridField {
     pub value: Vec<f64>,
     /// Ground and the ring beyond it.
     pub active: Vec<bool>,
-    /// Roughness of the border, mm: the standard deviation of its heights about planes fitted along it, by their median. A few
-    /// micrometres on a clean mesh, the noise of the scanner on a scanned one. Zero for functions not read off single contacts.
+    /// Roughness, in the function's unit. Of height and projection that of the border: the standard deviation of its heights about planes
+    /// fitted along it, by their median; a few micrometres on a clean mesh, the noise of the scanner on a scanned one. Of curvature
+    /// what it differs by from its mean over twice the radius. Zero for average distance.
     pub roughness: f64,
 }
 
@@ -91,17 +92,14 @@ impl GridField {
         }
     }
 
-    /// Largest less smallest value; zero on no ground.
-    pub fn range(&self) -> f64 {
-        let (lo, hi) = self
-            .value
-            .iter()
-            .zip(&self.active)
-            .filter(|(_, a)| **a)
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), (v, _)| {
-                (lo.min(*v), hi.max(*v))
-            });
-        (hi - lo).max(0.0)
+    /// Differences that mean nothing, in the function's unit, for functions that have no better yardstick: see [`noise`].
+    pub fn noise(&self) -> f64 {
+        let there = self.value.iter().zip(&self.active);
+        noise(
+            self.function,
+            there.filter(|(_, a)| **a).map(|(v, _)| *v),
+            self.roughness,
+        )
     }
 }
 
@@ -123,12 +121,13 @@ fn bent(grid: &ToolCentreGrid, radius: f64) -> GridField {
         .par_iter()
         .map(|c| curvature::at_place(grid, c.contact.center.x, c.contact.center.y, radius))
         .collect();
+    let roughness = curvature::roughness_of_grid(grid, &value, radius);
     beyond_border(grid, &at_crossing, &mut value, &mut active);
     GridField {
         function: MorseFunction::MeanCurvature,
         value,
         active,
-        roughness: 0.0,
+        roughness,
     }
 }
 

@@ -41,3 +41,27 @@ impl MorseFunction {
         }
     }
 }
+
+/// Differences of a function that mean nothing, in its unit: of average distance one percent of its mean, which is what it is good to;
+/// of curvature a twentieth of its range or six times its roughness, whichever is more; of heights eight times their roughness.
+pub fn noise(
+    function: MorseFunction,
+    values: impl Iterator<Item = f64> + Clone,
+    roughness: f64,
+) -> f64 {
+    let (lo, hi) = values
+        .clone()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), v| {
+            (lo.min(v), hi.max(v))
+        });
+    let range = (hi - lo).max(0.0);
+    let own = match function {
+        MorseFunction::Height | MorseFunction::Projection => 8.0 * roughness,
+        MorseFunction::MeanCurvature => (0.05 * range).max(6.0 * roughness),
+        MorseFunction::Geodesic => {
+            0.01 * values.clone().sum::<f64>() / values.count().max(1) as f64
+        }
+    };
+    // Ties are noise in any unit.
+    own.max(1e-9)
+}

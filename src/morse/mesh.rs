@@ -13,7 +13,7 @@ use super::cancel::{Graph, Pair, peaks, pits};
 use super::critical::{CriticalKind, CriticalPoint};
 use super::curvature;
 use super::euler::{Euler, indices};
-use super::function::MorseFunction;
+use super::function::{MorseFunction, noise};
 use super::plane::Plane;
 use super::select::{Saddle, select};
 use super::surface::Surface;
@@ -40,12 +40,26 @@ pub fn values(surface: &Surface, function: MorseFunction, options: &MeshOptions)
     }
 }
 
+/// Differences of a function on a mesh that mean nothing, in its unit: see [`noise`].
+pub fn noise_of(
+    surface: &Surface,
+    function: MorseFunction,
+    value: &[f64],
+    options: &MeshOptions,
+) -> f64 {
+    let roughness = match function {
+        MorseFunction::MeanCurvature => curvature::roughness_of_surface(surface, options.radius),
+        _ => roughness(surface, value),
+    };
+    noise(function, value.iter().copied(), roughness)
+}
+
 /// How rough a function is from vertex to vertex, in its unit, as a standard deviation: a smooth one next to nothing, a scanned mesh's
 /// height its noise.
 ///
 /// It is the median of what a vertex differs from the mean of its neighbours, less the same of the neighbours: curvature drops
 /// out of it, noise stays.
-pub fn roughness(surface: &Surface, value: &[f64]) -> f64 {
+fn roughness(surface: &Surface, value: &[f64]) -> f64 {
     let off = |of: &[f64]| -> Vec<f64> {
         (0..surface.len())
             .map(|v| {

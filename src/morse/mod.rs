@@ -31,7 +31,7 @@ pub use average::{AverageOptions, average_distance};
 pub use critical::{CriticalKind, CriticalPoint};
 pub use euler::Euler;
 pub use field::{FieldOptions, GridField, GridMorse, MorseOptions, critical_points};
-pub use function::MorseFunction;
+pub use function::{MorseFunction, noise};
 pub use height::HeightField;
 pub use mesh::{Cell, MeshMorse, MeshOptions};
 pub use plane::Plane;

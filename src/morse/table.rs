@@ -33,7 +33,12 @@ pub fn thresholds(persistence: impl Iterator<Item = f64>) -> Vec<f64> {
 /// The shortest decimal above `low` and not above `high`.
 fn between(low: f64, high: f64) -> f64 {
     if low <= 0.0 {
-        return high.min(f64::MIN_POSITIVE).max(f64::MIN_POSITIVE);
+        // Only ties are cancelled: anything up to the next will do.
+        return if high.is_finite() {
+            between(0.3 * high, high)
+        } else {
+            1e-9
+        };
     }
     let exponent = low.log10().floor() as i32;
     for digits in 0..17 {

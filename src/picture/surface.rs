@@ -250,6 +250,10 @@ fn markers(
         if seen.sees(at, slack) {
             symbol(canvas, m.kind, x, y, 8.0);
             if worded && !m.label.is_empty() {
+                for (dx, dy) in [(-1.0, 0.0), (1.0, 0.0), (0.0, -1.0), (0.0, 1.0)] {
+                    let (x, y) = (x + 12.0 + dx, y - 8.0 + dy);
+                    canvas.text(x, y, 15.0, Align::Left, color::PAPER, &m.label);
+                }
                 canvas.text(x + 12.0, y - 8.0, 15.0, Align::Left, color::INK, &m.label);
             }
         } else {
