@@ -11,7 +11,7 @@ use crate::post::{Coolant, Job, Post, write};
 use crate::reach::DropCutter;
 use crate::simulate::{DryRun, DryRunOptions, Kind, PartContext, Stock, dry_run};
 use crate::toolpath::plan::{self, Plan};
-use crate::toolpath::{Ground, LinkOptions, PlanOptions, Stage, Strategy};
+use crate::toolpath::{FitReport, Ground, LinkOptions, PlanOptions, Stage, Strategy, proof};
 use crate::units::{MmPerMin, Rpm, Seconds};
 use crate::verify::{Deviation, dialect_of, verify};
 use std::collections::BTreeMap;
@@ -171,6 +171,7 @@ struct MillJson<'a> {
     features: Vec<FeatureJson>,
     strategies: Vec<StrategyJson>,
     fill: FillJson,
+    fit: FitJson,
     #[serde(flatten)]
     dry_run: &'a DryRun,
     read_back: ReadBackJson,
@@ -183,6 +184,32 @@ struct FillJson {
     passes: usize,
     length_mm: f64,
     cells_left: usize,
+}
+
+/// Chord errors of the toolpath against the part, proven over the whole length of every move at feed.
+#[derive(serde::Serialize)]
+struct FitJson {
+    segments: usize,
+    arcs: usize,
+    length_mm: f64,
+    gouge_um_max: f64,
+    stock_um_max: f64,
+    over_gouge: usize,
+    over_stock: usize,
+}
+
+impl From<&FitReport> for FitJson {
+    fn from(f: &FitReport) -> FitJson {
+        FitJson {
+            segments: f.segments,
+            arcs: f.arcs,
+            length_mm: f.length_mm,
+            gouge_um_max: 1e3 * f.gouge_max,
+            stock_um_max: 1e3 * f.stock_max,
+            over_gouge: f.over_gouge,
+            over_stock: f.over_stock,
+        }
+    }
 }
 
 #[derive(serde::Serialize)]
@@ -324,6 +351,14 @@ pub fn run(a: &MillArgs) -> Result<ExitCode, Failure> {
     let (planned, reachable) = plan::plan(&placement.mesh, &ground, &s.plan, &links, &mut stage);
     let mut progress = progress.into_inner();
 
+    progress.stage("proof", "proving every segment");
+    let fit = proof(
+        &ground.cutter,
+        &planned.toolpath,
+        s.machine.arc_tolerance.0,
+        &planned.fitting,
+    );
+
     progress.stage("post", "writing the program");
     let job = job(a, &s, &placement, &ground, &planned);
     let posted = write(&planned.toolpath, &job, &s.post).map_err(Failure::failed)?;
@@ -380,6 +415,7 @@ pub fn run(a: &MillArgs) -> Result<ExitCode, Failure> {
         &planned,
         &verdict,
         &deviation,
+        &fit,
         features.clone(),
         planned_bytes,
         seconds,
@@ -514,6 +550,7 @@ fn mill_json<'a>(
     planned: &Plan,
     verdict: &'a DryRun,
     deviation: &Deviation,
+    fit: &FitReport,
     features: Vec<FeatureJson>,
     planned_bytes: u64,
     seconds: BTreeMap<&'static str, f64>,
@@ -543,6 +580,7 @@ fn mill_json<'a>(
             length_mm: planned.fill.length_mm,
             cells_left: planned.fill.cells_left,
         },
+        fit: fit.into(),
         dry_run: verdict,
         read_back: ReadBackJson {
             moves: deviation.moves,

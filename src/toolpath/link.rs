@@ -95,7 +95,7 @@ pub fn link(
     let mut section_features: Vec<Option<usize>> = Vec::new();
     let mut hint = Hint::default();
     let go =
-        |moves: &mut Vec<Move>, kind: MoveKind, c: Point| moves.push(Move { kind, to: c + down });
+        |moves: &mut Vec<Move>, kind: MoveKind, c: Point| moves.push(Move::straight(kind, c + down));
     for pass in ordered {
         let run = pass.run();
         let Some(&start) = run.first() else { continue };
