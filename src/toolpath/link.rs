@@ -1,7 +1,7 @@
 //! Linking: from the end of one pass to the start of the next, along the surface when that is proven and quicker, else through the
 //! air, no higher than needed.
 
-use super::fit::{FitOptions, fit};
+use super::fit::{FitOptions, fit_between};
 use super::moves::{Move, MoveKind, Section, Toolpath};
 use super::pass::Pass;
 use crate::feature::Regions;
@@ -201,7 +201,7 @@ fn stay_down(
     let curve: Vec<Point2> = (0..=n)
         .map(|k| from.xy() + (to.xy() - from.xy()) * (k as f64 / n as f64))
         .collect();
-    let mut runs = fit(cutter, &curve, fitting);
+    let mut runs = fit_between(cutter, &curve, from, to, fitting);
     if runs.len() != 1 {
         return hop;
     }

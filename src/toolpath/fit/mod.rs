@@ -85,8 +85,30 @@ pub fn rest(cutter: &DropCutter, x: f64, y: f64, hint: &mut Hint) -> Option<Rest
 /// Below this length a height difference is a cliff, not a slope: the tool goes up (or down) there on the spot.
 const CLIFF_RUN: f64 = 0.004;
 
-/// Drops a curve onto the part and fits it: runs of ball centres, split where the ball would fall past the part.
+/// Drops a curve onto the part and fits it: runs of ball centres, split where the ball would fall past the part. Every segment is
+/// proven to keep its budgets ([`prove`]). About three drops per [`FitOptions::probe`] of curve.
 pub fn fit(cutter: &DropCutter, curve: &[Point2], options: &FitOptions) -> Vec<Vec<Point>> {
+    fit_ends(cutter, curve, None, options)
+}
+
+/// As [`fit`], for a link between two places that are there already: where the ends of the curve rest within 0.01 mm of `from` and `to`,
+/// the run begins and ends there exactly, and its segments are proven so.
+pub fn fit_between(
+    cutter: &DropCutter,
+    curve: &[Point2],
+    from: &Point,
+    to: &Point,
+    options: &FitOptions,
+) -> Vec<Vec<Point>> {
+    fit_ends(cutter, curve, Some(&(*from, *to)), options)
+}
+
+fn fit_ends(
+    cutter: &DropCutter,
+    curve: &[Point2],
+    ends: Option<&(Point, Point)>,
+    options: &FitOptions,
+) -> Vec<Vec<Point>> {
     let mut hint = Hint::default();
     let mut runs: Vec<Vec<Rest>> = Vec::new();
     let mut run: Vec<Rest> = Vec::new();
@@ -106,11 +128,12 @@ pub fn fit(cutter: &DropCutter, curve: &[Point2], options: &FitOptions) -> Vec<V
         }
     }
     runs.push(run);
+    let whole = runs.len() == 1;
     runs.into_iter()
         .filter(|r| !r.is_empty())
         .map(|r| {
-            let points = spread::spread(&r, options);
-            prove::place_and_prove(cutter, &points, options)
+            let vertices = spread::spread(&r, options);
+            prove::place_and_prove(cutter, &vertices, ends.filter(|_| whole), options)
         })
         .collect()
 }
