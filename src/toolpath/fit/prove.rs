@@ -403,7 +403,6 @@ impl Splitter<'_> {
                 };
                 let m = place(cutter, &v, options.decimal, self.hint);
                 if m != a && m != b {
-                    super::spread::STAT[2].fetch_add(1, std::sync::atomic::Ordering::Relaxed);
                     self.split(a, m, depth + 1);
                     self.split(m, b, depth + 1);
                     return;
@@ -456,7 +455,6 @@ pub fn proof(
     chord_tolerance: f64,
     options: &FitOptions,
 ) -> FitReport {
-    eprintln!("greedy {} spread {} splits {} pieces {} fallback {} of {} rests {}", super::spread::STAT[0].load(std::sync::atomic::Ordering::Relaxed), super::spread::STAT[1].load(std::sync::atomic::Ordering::Relaxed),super::spread::STAT[2].load(std::sync::atomic::Ordering::Relaxed),super::spread::STAT[3].load(std::sync::atomic::Ordering::Relaxed),super::spread::STAT[4].load(std::sync::atomic::Ordering::Relaxed),super::spread::STAT[5].load(std::sync::atomic::Ordering::Relaxed),super::spread::STAT[6].load(std::sync::atomic::Ordering::Relaxed));
     let up = Vector::new(0.0, 0.0, cutter.radius());
     let pairs: Vec<usize> = (1..toolpath.moves.len()).collect();
     let sums: Vec<FitReport> = pairs

@@ -266,16 +266,11 @@ impl<'a> Smooth<'a> {
     /// All vertices but the first.
     fn vertices(&self) -> Vec<Place> {
         let (reach, hops) = self.reach();
-        STAT[0].fetch_add(hops.len(), std::sync::atomic::Ordering::Relaxed);
-        STAT[3].fetch_add(1, std::sync::atomic::Ordering::Relaxed);
-        STAT[6].fetch_add(self.rests.len(), std::sync::atomic::Ordering::Relaxed);
         let greedy = || hops.iter().map(|&i| self.rest(i)).collect();
         if hops.len() == 1 {
             return greedy();
         }
-        let x=self.balanced(&reach, hops.len()).unwrap_or_else(||{STAT[4].fetch_add(1, std::sync::atomic::Ordering::Relaxed);STAT[5].fetch_add(hops.len(), std::sync::atomic::Ordering::Relaxed);greedy()});
-        STAT[1].fetch_add(x.len(), std::sync::atomic::Ordering::Relaxed);
-        x
+        self.balanced(&reach, hops.len()).unwrap_or_else(greedy)
     }
 
     /// How far a chord from each rest holds, and the rests at which the longest chords one after the other end.
@@ -367,7 +362,7 @@ impl<'a> Smooth<'a> {
                 }
                 shares.push(sum);
             }
-            count = count.max((0.985 * sum).ceil() as usize);
+            count = count.max((0.93 * sum).ceil() as usize);
             if count > most || sum <= 0.0 {
                 break;
             }
@@ -415,6 +410,3 @@ impl<'a> Smooth<'a> {
         }
     }
 }
-
-#[allow(missing_docs)]
-pub static STAT: [std::sync::atomic::AtomicUsize; 8] = [const { std::sync::atomic::AtomicUsize::new(0) }; 8];
