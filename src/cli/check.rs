@@ -263,6 +263,7 @@ fn print(out: &mut dyn Write, report: &Report, args: &CheckArgs) -> std::io::Res
         t.cutting,
         t.air
     )?;
+    super::show::link_line(out, "link     ", r)?;
     if let (Some(a), Some(b)) = (r.extents.min, r.extents.max) {
         writeln!(
             out,

@@ -11,7 +11,9 @@ use crate::post::{Coolant, Job, Post, write};
 use crate::reach::DropCutter;
 use crate::simulate::{DryRun, DryRunOptions, Kind, PartContext, Stock, dry_run};
 use crate::toolpath::plan::{self, Plan};
-use crate::toolpath::{FitReport, Ground, LinkOptions, PlanOptions, Stage, Strategy, proof};
+use crate::toolpath::{
+    ArcOptions, FitReport, Ground, LinkOptions, PlanOptions, Stage, Strategy, arcs, proof,
+};
 use crate::units::{MmPerMin, Rpm, Seconds};
 use crate::verify::{Deviation, dialect_of, verify};
 use std::collections::BTreeMap;
@@ -80,6 +82,9 @@ pub struct MillArgs {
     /// Most memory that planning may take, MiB
     #[arg(long, default_value_t = 4096, value_name = "MIB")]
     pub memory: u64,
+    /// Say runs of segments as arcs (G2, G3) where the dialect has them and the arc is proven as true as they were
+    #[arg(long)]
+    pub arcs: bool,
     /// Write report.json and pictures into this folder
     #[arg(long, value_name = "DIR")]
     pub report: Option<PathBuf>,
@@ -321,6 +326,9 @@ pub fn run(a: &MillArgs) -> Result<ExitCode, Failure> {
     }
     let radius = a.tool.tool.radius;
     let mut progress = Progress::new();
+    if a.arcs && !s.post.arcs {
+        say(&format!("note: --arcs: post {} has no arcs; the program will be of straight lines", s.post.name));
+    }
     progress.stage("import", "reading the part");
     let (loaded, placement) = a.placing.load(&a.part)?;
     a.tool.check_against(&placement)?;
@@ -348,10 +356,14 @@ pub fn run(a: &MillArgs) -> Result<ExitCode, Failure> {
     let ground =
         plan::survey(cutter, &s.plan, &mut announce, &mut stage).map_err(Failure::failed)?;
     let links = link_options(a, &s, &placement);
-    let (planned, reachable) = plan::plan(&placement.mesh, &ground, &s.plan, &links, &mut stage);
+    let (mut planned, reachable) = plan::plan(&placement.mesh, &ground, &s.plan, &links, &mut stage);
     let mut progress = progress.into_inner();
 
     progress.stage("proof", "proving every segment");
+    if a.arcs && s.post.arcs {
+        let how = ArcOptions::new(planned.fitting, s.machine.arc_tolerance.0);
+        planned.toolpath = arcs(&planned.toolpath, &ground.cutter, &how);
+    }
     let fit = proof(
         &ground.cutter,
         &planned.toolpath,

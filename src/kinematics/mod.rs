@@ -5,12 +5,14 @@
 //! full, the simulated controller pops one when its own time comes.
 
 pub mod chord;
+pub mod demand;
 pub mod planner;
 pub mod profile;
 pub mod settings;
 pub mod time;
 
 pub use chord::{Chords, chords};
+pub use demand::{Feed, LinkDemand, link_demand};
 pub use planner::{Block, Overrides, Planner, Pushed, Speed, Target};
 pub use profile::{Profile, Ramp};
 pub use settings::Settings;

@@ -256,7 +256,7 @@ impl Toolpath {
         self.moves
             .windows(2)
             .map(|w| {
-                let length = (w[1].to - w[0].to).norm();
+                let length = w[1].length(&w[0].to);
                 let turn = if w[0].kind == w[1].kind { 0.0 } else { stop };
                 turn + match w[1].kind {
                     MoveKind::Cut | MoveKind::Link => length / options.feed,

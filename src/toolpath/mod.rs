@@ -8,6 +8,7 @@
 //! Crosses the border: a [`Toolpath`] of typed moves of the *tool tip* in work coordinates, mm. Inside, passes are places of the
 //! ball's *centre*. Knows nothing of dialects; of the machine only the few speeds in [`LinkOptions`] that decide between two links.
 
+pub mod arcs;
 pub mod curve;
 pub mod fill;
 pub mod fit;
@@ -18,6 +19,7 @@ pub mod pass;
 pub mod plan;
 mod skeleton;
 
+pub use arcs::{ArcOptions, arcs};
 pub use fit::{FitOptions, FitReport, proof};
 pub use link::LinkOptions;
 pub use moves::{Move, MoveKind, Section, Toolpath, Turn};
