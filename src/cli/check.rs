@@ -259,6 +259,7 @@ fn print(out: &mut dyn Write, report: &Report, args: &CheckArgs) -> std::io::Res
         t.air
     )?;
     writeln!(out, "motion    {}", motion(&r.motion))?;
+    super::show::link_line(out, "link     ", r)?;
     if let (Some(a), Some(b)) = (r.extents.min, r.extents.max) {
         writeln!(
             out,

@@ -12,7 +12,8 @@ use crate::reach::DropCutter;
 use crate::simulate::{DryRun, DryRunOptions, Kind, PartContext, Stock, dry_run};
 use crate::toolpath::plan::{self, Plan};
 use crate::toolpath::{
-    FILL_START, Figures, Ground, LinkOptions, PlanOptions, RETRACT_WORTH, Stage, Strategy, Toolpath,
+    ArcOptions, FILL_START, Figures, FitReport, Ground, LinkOptions, PlanOptions, RETRACT_WORTH,
+    Stage, Strategy, Toolpath, arcs, proof,
 };
 use crate::units::{MmPerMin, Rpm, Seconds};
 use crate::verify::{Deviation, dialect_of, verify};
@@ -77,6 +78,9 @@ pub struct MillArgs {
     /// Most memory that planning may take, MiB
     #[arg(long, default_value_t = 4096, value_name = "MIB")]
     pub memory: u64,
+    /// Say runs of segments as arcs (G2, G3) where the dialect has them and the arc is proven as true as they were
+    #[arg(long)]
+    pub arcs: bool,
     /// Write report.json and pictures into this folder
     #[arg(long, value_name = "DIR")]
     pub report: Option<PathBuf>,
@@ -177,6 +181,7 @@ struct MillJson<'a> {
     features: Vec<FeatureJson>,
     strategies: Vec<StrategyJson>,
     fill: FillJson,
+    fit: FitJson,
     #[serde(flatten)]
     dry_run: &'a DryRun,
     read_back: ReadBackJson,
@@ -189,6 +194,32 @@ struct FillJson {
     passes: usize,
     length_mm: f64,
     cells_left: usize,
+}
+
+/// Chord errors of the toolpath against the part, proven over the whole length of every move at feed.
+#[derive(serde::Serialize)]
+struct FitJson {
+    segments: usize,
+    arcs: usize,
+    length_mm: f64,
+    gouge_um_max: f64,
+    stock_um_max: f64,
+    over_gouge: usize,
+    over_stock: usize,
+}
+
+impl From<&FitReport> for FitJson {
+    fn from(f: &FitReport) -> FitJson {
+        FitJson {
+            segments: f.segments,
+            arcs: f.arcs,
+            length_mm: f.length_mm,
+            gouge_um_max: 1e3 * f.gouge_max,
+            stock_um_max: 1e3 * f.stock_max,
+            over_gouge: f.over_gouge,
+            over_stock: f.over_stock,
+        }
+    }
 }
 
 #[derive(serde::Serialize)]
@@ -301,6 +332,9 @@ pub fn run(a: &MillArgs) -> Result<ExitCode, Failure> {
     }
     let radius = a.tool.tool.radius;
     let mut progress = Progress::new();
+    if a.arcs && !s.post.arcs {
+        say(&format!("note: --arcs: post {} has no arcs; the program will be of straight lines", s.post.name));
+    }
     progress.stage("import", "reading the part");
     let (loaded, placement) = a.placing.load(&a.part)?;
     a.tool.check_against(&placement)?;
@@ -328,7 +362,7 @@ pub fn run(a: &MillArgs) -> Result<ExitCode, Failure> {
     let ground =
         plan::survey(cutter, &s.plan, &mut announce, &mut stage).map_err(Failure::failed)?;
     let links = link_options(a, &s, &placement);
-    let (planned, reachable) = plan::plan(
+    let (mut planned, reachable) = plan::plan(
         &placement.mesh,
         &ground,
         &s.plan,
@@ -337,6 +371,18 @@ pub fn run(a: &MillArgs) -> Result<ExitCode, Failure> {
         &mut stage,
     );
     let mut progress = progress.into_inner();
+
+    progress.stage("proof", "proving every segment");
+    if a.arcs && s.post.arcs {
+        let how = ArcOptions::new(planned.fitting, s.machine.arc_tolerance.0);
+        planned.toolpath = arcs(&planned.toolpath, &ground.cutter, &how);
+    }
+    let fit = proof(
+        &ground.cutter,
+        &planned.toolpath,
+        s.machine.arc_tolerance.0,
+        &planned.fitting,
+    );
 
     progress.stage("post", "writing the program");
     let job = job(a, &s, &placement, &ground, &planned);
@@ -393,6 +439,7 @@ pub fn run(a: &MillArgs) -> Result<ExitCode, Failure> {
         &planned,
         &verdict,
         &deviation,
+        &fit,
         features.clone(),
         planned_bytes,
         seconds,
@@ -534,6 +581,7 @@ fn mill_json<'a>(
     planned: &Plan,
     verdict: &'a DryRun,
     deviation: &Deviation,
+    fit: &FitReport,
     features: Vec<FeatureJson>,
     planned_bytes: u64,
     seconds: BTreeMap<&'static str, f64>,
@@ -558,6 +606,7 @@ fn mill_json<'a>(
             length_mm: planned.fill.length_mm,
             cells_left: planned.fill.cells_left,
         },
+        fit: fit.into(),
         dry_run: verdict,
         read_back: ReadBackJson {
             moves: deviation.moves,

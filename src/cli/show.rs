@@ -238,7 +238,7 @@ pub fn features(plan: &Plan, posted: &Posted, line_seconds: &[f64]) -> Vec<Featu
         let row = &mut out[slot(plan.section_features.get(k).copied().flatten())];
         for i in section.first_move..end {
             if i > 0 && moves[i].kind == MoveKind::Cut {
-                row.cut_mm += (moves[i].to - moves[i - 1].to).norm();
+                row.cut_mm += moves[i].length(&moves[i - 1].to);
             }
             let last = posted.line_of_move.get(i).copied().unwrap_or(line);
             row.time_s += line_seconds.get(line..last).map_or(0.0, |t| t.iter().sum());
@@ -350,6 +350,25 @@ pub fn motion(m: &MotionFigures) -> String {
     )
 }
 
+/// One line about what the program needs of the link.
+pub fn link_line(w: &mut dyn Write, name: &str, d: &DryRun) -> io::Result<()> {
+    let Some(l) = &d.link_demand else {
+        return Ok(());
+    };
+    write!(
+        w,
+        "{name} {:.0} lines/s (p99 {:.0}), {:.1} of {:.1} kB/s needed",
+        l.lines_per_s_max,
+        l.lines_per_s_p99,
+        1e-3 * l.bytes_per_s_needed,
+        1e-3 * l.bytes_per_s_link
+    )?;
+    if l.starved_s >= 0.05 {
+        write!(w, "; waits {:.1} s for lines", l.starved_s)?;
+    }
+    writeln!(w)
+}
+
 /// The dry run's figures and its verdict.
 pub fn verdict(w: &mut dyn Write, d: &DryRun, scallop: f64) -> io::Result<()> {
     writeln!(
@@ -365,6 +384,7 @@ pub fn verdict(w: &mut dyn Write, d: &DryRun, scallop: f64) -> io::Result<()> {
         d.program.lines, d.program.cut_mm, d.program.rapid_mm, d.program.retracts
     )?;
     writeln!(w, "motion     {}", motion(&d.motion))?;
+    link_line(w, "link      ", d)?;
     if let Some(f) = &d.finish {
         let s = &f.scallop_um;
         writeln!(

@@ -7,7 +7,7 @@ use super::start::Read;
 use super::{gouge, limits, material, start};
 use crate::gcode::{Dialect, Event};
 use crate::geom::Box3;
-use crate::kinematics::{Settings, program_time};
+use crate::kinematics::{Feed, Settings, Times, link_demand, program_time};
 use crate::machine::Machine;
 use crate::part::Mesh;
 use crate::reach::DropCutter;
@@ -101,6 +101,7 @@ pub fn dry_run(
         },
         time_s: TimeFigures::default(),
         motion: MotionFigures::default(),
+        link_demand: None,
         extents: Extents::default(),
         finish: None,
         verdict: Verdict::Pass,
@@ -110,7 +111,11 @@ pub fn dry_run(
         map: None,
     };
     match start::read(text, dialect) {
-        Ok(program) => run(&program, machine, part, options, &mut report),
+        Ok(program) => {
+            let times = program_time(&program.at_zero.events, &Settings::from(machine));
+            feeding(text, &times.per_line, machine, &mut report);
+            run(&program, &times, machine, part, options, &mut report);
+        }
         Err(errors) => {
             report.problems.extend(errors.iter().map(|e| Problem {
                 kind: Kind::Syntax,
@@ -130,6 +135,7 @@ pub fn dry_run(
 
 fn run(
     program: &Read,
+    times: &Times,
     machine: &Machine,
     part: Option<&PartContext>,
     options: &DryRunOptions,
@@ -140,7 +146,6 @@ fn run(
     report.problems.extend(limits.problems);
     report.warnings.extend(limits.warnings);
 
-    let times = program_time(&program.at_zero.events, &Settings::from(machine));
     report.time_s = TimeFigures {
         total: times.total.0,
         cutting: times.cutting.0,
@@ -175,6 +180,55 @@ fn run(
         judge(&moves, part, options, report);
     }
     say_what_is_missing(program, part, limits.machine_moves, report);
+}
+
+/// Share of the time a machine may wait for lines before it is worth a word: such a stand leaves a mark on the surface.
+const STARVED: f64 = 0.01;
+/// Lines per second that an 8-bit GRBL board reads, at least.
+const SLOW_BOARD_LINES: f64 = 200.0;
+/// Receive buffers up to this belong to such boards, bytes.
+const SLOW_BOARD_RX: u32 = 256;
+
+/// Compares what the program needs of the link with what the link gives.
+fn feeding(text: &str, seconds: &[f64], machine: &Machine, report: &mut DryRun) {
+    if machine.baud == 0 {
+        return;
+    }
+    let feed = Feed {
+        // Eight bits, a start and a stop.
+        bytes_per_s: f64::from(machine.baud) / 10.0,
+        rx_bytes: machine.rx_buffer as usize,
+        blocks: machine.planner_blocks,
+    };
+    let demand = link_demand(
+        crate::gcode::lines(text).map(|l| l.len() + 1),
+        seconds,
+        &feed,
+    );
+    let mut say = |text: String| {
+        report.warnings.push(Problem {
+            kind: Kind::Link,
+            line: None,
+            text,
+        });
+    };
+    if demand.starved_share > STARVED {
+        say(format!(
+            "the link of {} baud starves the planner for {:.1} s ({:.1} % of the time): up to {:.0} bytes/s are needed and {:.0} come. \
+             Ask for a larger scallop (its tolerances grow with it), a lower feed, or set a higher baud rate",
+            machine.baud,
+            demand.starved_s,
+            100.0 * demand.starved_share,
+            demand.bytes_per_s_needed,
+            demand.bytes_per_s_link
+        ));
+    } else if demand.lines_per_s_p99 > SLOW_BOARD_LINES && machine.rx_buffer as u32 <= SLOW_BOARD_RX {
+        say(format!(
+            "up to {:.0} lines/s are needed, and 8-bit boards read 200 to 400: it may stutter. Ask for a larger scallop or a lower feed",
+            demand.lines_per_s_max
+        ));
+    }
+    report.link_demand = Some(demand);
 }
 
 /// Problems of one kind that are listed one by one.

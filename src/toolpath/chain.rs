@@ -6,7 +6,7 @@
 //!   '------------------          the chain ends; `order` and `link` take over
 //! ```
 
-use super::fit::{FitOptions, fit};
+use super::fit::{FitOptions, fit_between};
 use super::link::LinkOptions;
 use super::pass::{Pass, PassKind};
 use super::turn::{Pose, Turn, turn};
@@ -154,7 +154,7 @@ pub fn surface_link(
     links: &LinkOptions,
     fitting: &FitOptions,
 ) -> Option<Vec<Point>> {
-    let mut runs = fit(cutter, &way.points(fitting.probe), fitting);
+    let mut runs = fit_between(cutter, &way.points(fitting.probe), from, to, fitting);
     if runs.len() != 1 {
         return None;
     }

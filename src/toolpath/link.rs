@@ -102,7 +102,7 @@ pub fn link(
     let mut section_features: Vec<Option<usize>> = Vec::new();
     let mut hint = Hint::default();
     let go =
-        |moves: &mut Vec<Move>, kind: MoveKind, c: Point| moves.push(Move { kind, to: c + down });
+        |moves: &mut Vec<Move>, kind: MoveKind, c: Point| moves.push(Move::straight(kind, c + down));
     for chain in ordered {
         let Some(first) = chain.first().filter(|p| !p.points.is_empty()) else {
             continue;
