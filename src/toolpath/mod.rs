@@ -14,6 +14,7 @@ pub mod link;
 pub mod moves;
 pub mod order;
 pub mod pass;
+pub mod pencil;
 pub mod plan;
 mod skeleton;
 

@@ -14,6 +14,8 @@ pub enum PassKind {
     Border,
     /// A level curve of a feature.
     Level,
+    /// Along a crease, where the ball touches two walls at once.
+    Pencil,
     /// Where the others left too high a cusp.
     Fill,
 }
@@ -179,7 +181,7 @@ fn kept(at: &[(Point2, f64)], closed: bool) -> Vec<(Vec<Point2>, bool)> {
 }
 
 /// The runs of a curve on which the ball rests on the part rather than rolls round its outline, ended on the border exactly.
-fn on_ground(
+pub(super) fn on_ground(
     grid: &ToolCentreGrid,
     cutter: &DropCutter,
     curve: &[Point2],

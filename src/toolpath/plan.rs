@@ -6,6 +6,7 @@ use super::link::{Air, LinkOptions, link};
 use super::moves::Toolpath;
 use super::order::order;
 use super::pass::{Pass, passes};
+use super::pencil::{PencilOptions, pencil};
 use crate::feature::{GrowOptions, Regions, grow};
 use crate::field::{Metric, Ruler};
 use crate::geom::{Point, Vector2};
@@ -283,7 +284,12 @@ fn plan_at(
         keep: 0.75,
         rounds: 6,
     };
-    let fill = fill(grid, cutter, &regions, reach, &mut all, &how, &fitting);
+    let creases =
+        PencilOptions::for_stepover(flat_stepover(options.scallop, grid.radius), &fitting);
+    let pencils = pencil(grid, cutter, &regions, &creases, &fitting);
+    let fill = fill(
+        grid, cutter, &regions, reach, &mut all, pencils, &how, &fitting,
+    );
     stage(Stage::Link);
     // Begin at the corner of the part nearest the operator's zero: lowest x and y, from above.
     let b = cutter.bounds();
