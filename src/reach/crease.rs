@@ -97,6 +97,9 @@ pub fn creases(grid: &ToolCentreGrid, cutter: &DropCutter, options: &CreaseOptio
     let mut chains = chain(grid, &found);
     chains.iter_mut().for_each(|c| forward_only(c, grid.step));
     let mut chains = joined(chains, 2.0 * grid.step);
+    chains
+        .par_iter_mut()
+        .for_each(|c| complete(cutter, c, grid.step, options.angle));
     chains.retain(|c| c.points.len() > 1 && c.length() >= options.shortest);
     chains
 }
@@ -192,7 +195,7 @@ fn triangles_of(grid: &ToolCentreGrid, i: usize) -> Option<[[u32; 3]; 2]> {
 }
 
 /// Joins places through the triangles. Where three meet in one triangle, the two that run on straightest are joined and the third
-/// ends there, led on to where the three lines meet.
+/// ends there.
 fn chain(grid: &ToolCentreGrid, found: &[(u32, CreasePoint)]) -> Vec<Crease> {
     let index = |edge: u32| found.binary_search_by_key(&edge, |f| f.0).ok();
     // Each place has at most two triangles beside it, so at most two links.
@@ -211,17 +214,6 @@ fn chain(grid: &ToolCentreGrid, found: &[(u32, CreasePoint)]) -> Vec<Crease> {
     }
     cells.sort_unstable();
     cells.dedup();
-    let at = |k: u32| found[k as usize].1.center.xy();
-    let mut join = |a: u32, b: u32| {
-        for (p, q) in [(a, b), (b, a)] {
-            let l = &mut links[p as usize];
-            if l[0].is_none() {
-                l[0] = Some(q);
-            } else if l[1].is_none() {
-                l[1] = Some(q);
-            }
-        }
-    };
     for &cell in &cells {
         let Some(triangles) = triangles_of(grid, cell) else {
             continue;
@@ -233,45 +225,46 @@ fn chain(grid: &ToolCentreGrid, found: &[(u32, CreasePoint)]) -> Vec<Crease> {
                 .map(|k| k as u32)
                 .collect();
             match here[..] {
-                [a, b] => join(a, b),
+                [a, b] => link_up(&mut links, a, b),
                 [a, b, c] => forks.push([a, b, c]),
                 _ => {}
             }
         }
     }
-    // Straightest pair through a fork: the one whose line passes nearest to what lies behind either of them.
-    let mut spurs: Vec<(u32, Point2)> = Vec::new();
-    let behind: Vec<[Option<Vector2>; 3]> = forks
+    // Straightest pair through a fork: the third chain ends there.
+    let headings: Vec<[Option<Vector2>; 3]> = forks
         .iter()
         .map(|f| f.map(|k| heading(found, &links, k)))
         .collect();
-    for (f, dirs) in forks.iter().zip(&behind) {
+    for (f, dirs) in forks.iter().zip(&headings) {
         let score = |a: usize, b: usize| match (dirs[a], dirs[b]) {
             (Some(u), Some(v)) => u.dot(&v),
             _ => 0.0,
         };
-        let pairs = [(0, 1, 2), (1, 2, 0), (0, 2, 1)];
-        let best = pairs.into_iter().reduce(|p, q| {
+        let best = [(0, 1), (1, 2), (0, 2)].into_iter().reduce(|p, q| {
             if score(q.0, q.1) < score(p.0, p.1) {
                 q
             } else {
                 p
             }
         });
-        let Some((a, b, c)) = best else { continue };
-        let meeting = meet([at(f[0]), at(f[1]), at(f[2])], dirs, 2.0 * grid.step);
-        let l = &mut links;
-        for (p, q) in [(f[a], f[b]), (f[b], f[a])] {
-            let s = &mut l[p as usize];
-            if s[0].is_none() {
-                s[0] = Some(q);
-            } else if s[1].is_none() {
-                s[1] = Some(q);
-            }
+        if let Some((a, b)) = best {
+            link_up(&mut links, f[a], f[b]);
         }
-        spurs.push((f[c], meeting));
     }
-    walk(found, &links, &spurs)
+    walk(found, &links)
+}
+
+/// Links two places both ways, where either has a link to spare.
+fn link_up(links: &mut [[Option<u32>; 2]], a: u32, b: u32) {
+    for (p, q) in [(a, b), (b, a)] {
+        let l = &mut links[p as usize];
+        if l[0].is_none() {
+            l[0] = Some(q);
+        } else if l[1].is_none() {
+            l[1] = Some(q);
+        }
+    }
 }
 
 /// The way a chain comes from, seen from one of its ends: unit vector from a few places back to the end.
@@ -289,34 +282,8 @@ fn heading(found: &[(u32, CreasePoint)], links: &[[Option<u32>; 2]], end: u32) -
     (l > 0.0).then(|| d / l)
 }
 
-/// Where three lines meet best (least squares), no farther than `reach` from the middle of the three places.
-fn meet(at: [Point2; 3], dirs: &[Option<Vector2>; 3], reach: f64) -> Point2 {
-    let mid = Point2::from((at[0].coords + at[1].coords + at[2].coords) / 3.0);
-    let (mut xx, mut xy, mut yy, mut bx, mut by) = (0.0, 0.0, 0.0, 0.0, 0.0);
-    for (p, d) in at.iter().zip(dirs) {
-        let Some(d) = d else { continue };
-        let n = Vector2::new(-d.y, d.x);
-        let k = n.dot(&(p - mid));
-        xx += n.x * n.x;
-        xy += n.x * n.y;
-        yy += n.y * n.y;
-        bx += n.x * k;
-        by += n.y * k;
-    }
-    let det = xx * yy - xy * xy;
-    if det < 1e-3 {
-        return mid;
-    }
-    let d = Vector2::new((yy * bx - xy * by) / det, (xx * by - xy * bx) / det);
-    if d.norm() > reach { mid } else { mid + d }
-}
-
 /// Follows the links: open chains from their ends, lowest place first, then the closed ones.
-fn walk(
-    found: &[(u32, CreasePoint)],
-    links: &[[Option<u32>; 2]],
-    spurs: &[(u32, Point2)],
-) -> Vec<Crease> {
+fn walk(found: &[(u32, CreasePoint)], links: &[[Option<u32>; 2]]) -> Vec<Crease> {
     let mut used = vec![false; found.len()];
     let mut out = Vec::new();
     for closed in [false, true] {
@@ -342,20 +309,7 @@ fn walk(
             if closed {
                 back = ids.len() > 2 && links[here as usize].contains(&Some(start as u32));
             }
-            let mut points: Vec<CreasePoint> = ids.iter().map(|k| found[*k as usize].1).collect();
-            if !back {
-                for (first, id) in [(true, ids[0]), (false, ids[ids.len() - 1])] {
-                    if let Some((_, q)) = spurs.iter().find(|s| s.0 == id) {
-                        let mut p = found[id as usize].1;
-                        p.center = Point::new(q.x, q.y, p.center.z);
-                        if first {
-                            points.insert(0, p);
-                        } else {
-                            points.push(p);
-                        }
-                    }
-                }
-            }
+            let points = ids.iter().map(|k| found[*k as usize].1).collect();
             out.push(Crease {
                 points,
                 closed: back,
@@ -379,12 +333,138 @@ fn forward_only(c: &mut Crease, step: f64) {
         }
         if out
             .last()
-            .is_none_or(|l| (p.center.xy() - l.center.xy()).norm() > 1e-3 * step)
+            .is_none_or(|l| (p.center.xy() - l.center.xy()).norm() > 0.1 * step)
         {
             out.push(*p);
         }
     }
     c.points = out;
+}
+
+/// Turns sharper than this between two places are corners, radians.
+const CORNER: f64 = 0.25;
+/// Places looked back over for the way a chain runs.
+const BASE: usize = 4;
+
+/// Puts in what the edges of the grid do not meet: corners, where the ball touches in three places, and the ends.
+fn complete(cutter: &DropCutter, c: &mut Crease, step: f64, angle: f64) {
+    let n = c.points.len();
+    if n < 3 {
+        return;
+    }
+    let at = |k: isize| -> Option<&CreasePoint> {
+        if c.closed {
+            c.points.get(k.rem_euclid(n as isize) as usize)
+        } else {
+            usize::try_from(k).ok().and_then(|k| c.points.get(k))
+        }
+    };
+    // The way the chain runs into place k, looking back (`sign` -1) or from its other side (+1).
+    let way = |k: isize, sign: isize| -> Option<Vector2> {
+        let here = at(k)?.center.xy();
+        let mut d = None;
+        for b in 1..=BASE as isize {
+            let Some(p) = at(k + sign * b) else { break };
+            let v = here - p.center.xy();
+            let l = v.norm();
+            // As far back as it runs straight.
+            match d {
+                Some(u) if l > 0.0 && (v / l).dot(&u) < (0.5 * CORNER).cos() => break,
+                _ if l > 0.0 => d = Some(v / l),
+                _ => {}
+            }
+        }
+        d
+    };
+    let reach = 2.0 * step;
+    // With each place, whether it was put in.
+    let mut out: Vec<(CreasePoint, bool)> = Vec::with_capacity(n + 8);
+    if !c.closed
+        && let (Some(p), Some(d)) = (at(0), way(0, 1))
+    {
+        out.extend(led_on(cutter, p, &d, reach, step, angle).map(|p| (p, true)));
+    }
+    for k in 0..n as isize {
+        let Some(p) = at(k) else { break };
+        out.push((*p, false));
+        let (Some(q), Some(u), Some(v)) = (at(k + 1), way(k, -1), way(k + 1, 1)) else {
+            continue;
+        };
+        let gap = (q.center.xy() - p.center.xy()).norm();
+        if -u.dot(&v) > CORNER.cos() || gap > reach {
+            continue;
+        }
+        let first = led_on(cutter, p, &u, reach, step, angle);
+        let second = led_on(cutter, q, &v, reach, step, angle);
+        out.extend(first.map(|p| (p, true)));
+        if let Some(s) = second
+            && first.is_none_or(|f| (f.center.xy() - s.center.xy()).norm() > 2e-3)
+        {
+            out.push((s, true));
+        }
+    }
+    if !c.closed
+        && let (Some(p), Some(d)) = (at(n as isize - 1), way(n as isize - 1, -1))
+    {
+        out.extend(led_on(cutter, p, &d, reach, step, angle).map(|p| (p, true)));
+    }
+    // A place of the grid right beside a corner only makes the path stutter.
+    let n = out.len();
+    let near = |k: usize, l: usize| {
+        out[l].1 && (out[l].0.center.xy() - out[k].0.center.xy()).norm() < 0.3 * step
+    };
+    c.points = (0..n)
+        .filter(|&k| {
+            let beside = [k.checked_sub(1), (k + 1 < n).then_some(k + 1)];
+            out[k].1 || !beside.into_iter().flatten().any(|l| near(k, l))
+        })
+        .map(|k| out[k].0)
+        .collect();
+}
+
+/// The last place on the way on from `p` along `d` at which the ball still touches the same two walls; `None` when it does not even
+/// a little way on.
+fn led_on(
+    cutter: &DropCutter,
+    p: &CreasePoint,
+    d: &Vector2,
+    reach: f64,
+    step: f64,
+    angle: f64,
+) -> Option<CreasePoint> {
+    let across = Vector2::new(-d.y, d.x);
+    let across = if across.dot(&p.out) < 0.0 {
+        -across
+    } else {
+        across
+    };
+    let same = |t: f64| -> Option<CreasePoint> {
+        let q = p.center.xy() + d * t;
+        let w = across * (0.02 * step + 0.1 * t);
+        let found = between(cutter, &(q + w), &(q - w), angle)?;
+        let alike = |u: &Vector, v: &Vector| u.dot(v) > (0.4 * angle).cos();
+        let [a, b] = found.normals;
+        let [u, v] = p.normals;
+        let cliffs = (found.rise > 0.0) == (p.rise > 0.0);
+        (cliffs && (alike(&a, &u) && alike(&b, &v) || alike(&a, &v) && alike(&b, &u)))
+            .then_some(found)
+    };
+    let mut best = None;
+    let (mut lo, mut hi) = (0.0, reach);
+    if let Some(f) = same(reach) {
+        return Some(f);
+    }
+    while hi - lo > 1e-3 * step {
+        let t = 0.5 * (lo + hi);
+        match same(t) {
+            Some(f) => {
+                best = Some(f);
+                lo = t;
+            }
+            None => hi = t,
+        }
+    }
+    best
 }
 
 /// Joins open chains whose ends lie within `gap` and run on into each other, nearest ends first.

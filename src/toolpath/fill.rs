@@ -44,6 +44,7 @@ const UPRIGHT: f32 = 0.02;
 
 /// Adds fill passes to `passes` until no cusp stands over, or the rounds are used up. Each round costs a sweep of what it added and a
 /// look at every cell. Of `pencils` those come first that cut what the passes leave.
+#[allow(clippy::too_many_arguments)]
 pub fn fill(
     grid: &ToolCentreGrid,
     cutter: &DropCutter,
@@ -59,14 +60,7 @@ pub fn fill(
     swept.cut(&segments(passes), cutter.radius());
     let stepover = (8.0 * options.scallop * cutter.radius()).sqrt();
     let over = options.keep * options.scallop;
-    let pencils = needed(
-        pencils,
-        cutter,
-        &reach.lattice,
-        &swept,
-        over,
-        0.5 * stepover,
-    );
+    let pencils = needed(pencils, cutter, reach, &swept, over, 0.5 * stepover);
     swept.cut(&segments(&pencils), cutter.radius());
     passes.extend(pencils);
     loop {

@@ -181,7 +181,7 @@ fn kept(at: &[(Point2, f64)], closed: bool) -> Vec<(Vec<Point2>, bool)> {
 }
 
 /// The runs of a curve on which the ball rests on the part rather than rolls round its outline, ended on the border exactly.
-pub(super) fn on_ground(
+fn on_ground(
     grid: &ToolCentreGrid,
     cutter: &DropCutter,
     curve: &[Point2],

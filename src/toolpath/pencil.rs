@@ -11,11 +11,11 @@
 //! Crosses the border: chains of resting balls ([`Crease`]) in, [`Pass`]es of ball centres out; work coordinates, mm.
 
 use super::fit::FitOptions;
-use super::pass::{Pass, PassKind, laid, on_ground};
+use super::pass::{Pass, PassKind, laid};
 use crate::feature::Regions;
 use crate::geom::{Point, Point2, Vector, Vector2};
 use crate::reach::{Crease, CreaseOptions, CreasePoint, DropCutter, Hint, ToolCentreGrid, creases};
-use crate::sweep::{Lattice, Swept};
+use crate::sweep::{Reachable, Swept};
 use rayon::prelude::*;
 
 /// Which creases get a pass.
@@ -64,8 +64,7 @@ fn along(
     options: &PencilOptions,
     fitting: &FitOptions,
 ) -> Vec<Pass> {
-    let curve = beside(crease, options.off_wall);
-    let curve = cornered(cutter, &curve, crease.closed, grid.step);
+    let curve = beside(cutter, crease, options.off_wall);
     let wall = crease.points.iter().any(|p| p.rise > 0.0);
     // Beside a wall no chord may stray as far as the room that is kept.
     let fitting = if wall {
@@ -76,9 +75,8 @@ fn along(
     } else {
         *fitting
     };
-    on_ground(grid, cutter, &curve, crease.closed)
+    laid(cutter, &curve, crease.closed, &fitting)
         .into_iter()
-        .flat_map(|(piece, closed)| laid(cutter, &piece, closed, &fitting))
         .filter(|(points, _)| points.len() > 1)
         .map(|(points, closed)| {
             let feature = grid
@@ -97,84 +95,59 @@ fn along(
 }
 
 /// The crease in plan, moved out from under upright walls.
-fn beside(crease: &Crease, off_wall: f64) -> Vec<Point2> {
+fn beside(cutter: &DropCutter, crease: &Crease, off_wall: f64) -> Vec<Point2> {
     let p = &crease.points;
     let n = p.len();
     let at = |k: usize| p[k].center.xy();
+    // Across each piece from one place to the next, away from the wall.
+    let across = |k: usize| -> Option<Vector2> {
+        let l = (k + 1) % n;
+        let d = at(l) - at(k);
+        let length = d.norm();
+        if length <= 0.0 {
+            return None;
+        }
+        let side = Vector2::new(-d.y, d.x) / length;
+        let out = p[k].out + p[l].out;
+        Some(if side.dot(&out) < 0.0 { -side } else { side })
+    };
     (0..n)
         .map(|k| {
             if p[k].rise <= 0.0 {
                 return at(k);
             }
-            let (before, after) = if crease.closed {
-                ((k + n - 1) % n, (k + 1) % n)
-            } else {
-                (k.saturating_sub(1), (k + 1).min(n - 1))
+            let before = (crease.closed || k > 0)
+                .then(|| across((k + n - 1) % n))
+                .flatten();
+            let after = (crease.closed || k + 1 < n).then(|| across(k)).flatten();
+            let off = match (before, after) {
+                // The corner of the two lines moved out.
+                (Some(u), Some(v)) => (u + v) / (1.0 + u.dot(&v)).max(0.3),
+                (Some(u), None) | (None, Some(u)) => u,
+                (None, None) => p[k].out,
             };
-            at(k) + outward(&p[k], &(at(after) - at(before))) * off_wall
+            free(cutter, &p[k], at(k) + off * off_wall, off_wall)
         })
         .collect()
 }
 
-/// Unit vector across a chain that runs along `tangent`, on the side away from the wall.
-fn outward(p: &CreasePoint, tangent: &Vector2) -> Vector2 {
-    let l = tangent.norm();
-    if l <= 0.0 {
-        return p.out;
+/// A place beside a wall's foot at which the ball does rest at the foot: the one wanted, or another around the crease where a third
+/// wall stands.
+fn free(cutter: &DropCutter, p: &CreasePoint, wanted: Point2, off_wall: f64) -> Point2 {
+    let height = |q: &Point2| cutter.drop(q.x, q.y).map_or(f64::INFINITY, |c| c.center.z);
+    let mut best = (height(&wanted), wanted);
+    if best.0 < p.center.z + 0.5 * p.rise {
+        return wanted;
     }
-    let across = Vector2::new(-tangent.y, tangent.x) / l;
-    if across.dot(&p.out) < 0.0 {
-        -across
-    } else {
-        across
-    }
-}
-
-/// Where a curve turns sharply between two of its places, the corner itself put in: the places lie on edges of the grid, and the
-/// corner does not.
-fn cornered(cutter: &DropCutter, curve: &[Point2], closed: bool, step: f64) -> Vec<Point2> {
-    let n = curve.len();
-    if n < 4 {
-        return curve.to_vec();
-    }
-    let at = |k: usize| curve[k % n];
-    let mut hint = Hint::default();
-    let mut out = Vec::with_capacity(n + 4);
-    for k in 0..n {
-        out.push(curve[k]);
-        let inner = k >= 1 && k + 2 < n;
-        if !closed && !inner {
-            continue;
-        }
-        let (a, b, c, d) = (at(k + n - 1), at(k), at(k + 1), at(k + 2));
-        let (u, v) = (b - a, d - c);
-        let (lu, lv) = (u.norm(), v.norm());
-        if lu <= 0.0 || lv <= 0.0 {
-            continue;
-        }
-        let sine = (u.x * v.y - u.y * v.x) / (lu * lv);
-        if sine.abs() < 0.3 {
-            continue;
-        }
-        // Where the lines a-b and d-c meet.
-        let w = c - b;
-        let s = (w.x * v.y - w.y * v.x) / (u.x * v.y - u.y * v.x);
-        let corner = b + u * s;
-        let low =
-            |q: &Point2, hint: &mut Hint| cutter.drop_near(q.x, q.y, hint).map(|r| r.center.z);
-        let (Some(zb), Some(zc), Some(z)) = (
-            low(&b, &mut hint),
-            low(&c, &mut hint),
-            low(&corner, &mut hint),
-        ) else {
-            continue;
-        };
-        let fair = s > 0.0 && (corner - b).norm() < 1.5 * step && (corner - c).norm() < 1.5 * step;
-        if fair && z < zb.max(zc) + 2.0 * step {
-            out.push(corner);
+    for k in 0..12 {
+        let (s, c) = (f64::from(k) * std::f64::consts::FRAC_PI_6).sin_cos();
+        let q = p.center.xy() + Vector2::new(c, s) * (1.5 * off_wall);
+        let z = height(&q);
+        if z < best.0 {
+            best = (z, q);
         }
     }
-    out
+    best.1
 }
 
 /// The runs of passes along which the ball that lies in the crease has not been there yet: where what `swept` left stands more
@@ -182,14 +155,14 @@ fn cornered(cutter: &DropCutter, curve: &[Point2], closed: bool, step: f64) -> V
 pub fn needed(
     passes: Vec<Pass>,
     cutter: &DropCutter,
-    lattice: &Lattice,
+    reach: &Reachable,
     swept: &Swept,
     over: f64,
     shortest: f64,
 ) -> Vec<Pass> {
     let kept: Vec<Vec<Pass>> = passes
         .into_par_iter()
-        .map(|p| runs_needed(p, cutter, lattice, swept, over, shortest))
+        .map(|p| runs_needed(p, cutter, reach, swept, over, shortest))
         .collect();
     kept.into_iter().flatten().collect()
 }
@@ -197,12 +170,12 @@ pub fn needed(
 fn runs_needed(
     pass: Pass,
     cutter: &DropCutter,
-    lattice: &Lattice,
+    reach: &Reachable,
     swept: &Swept,
     over: f64,
     shortest: f64,
 ) -> Vec<Pass> {
-    let gap = 2.0 * lattice.step;
+    let gap = 2.0 * reach.lattice.step;
     // Even places along the pass, the corners among them.
     let mut at: Vec<Point> = Vec::new();
     for w in pass.run().windows(2) {
@@ -221,11 +194,9 @@ fn runs_needed(
         }))
         .collect();
     let mut hint = Hint::default();
-    let asks: Vec<bool> = (0..n)
-        .map(|k| {
-            let t = at[(k + 1).min(n - 1)] - at[k.saturating_sub(1)];
-            stands(&at[k], &t.xy(), cutter, lattice, swept, &mut hint) > over
-        })
+    let asks: Vec<bool> = at
+        .iter()
+        .map(|c| stands(c, cutter, reach, swept, &mut hint) > over)
         .collect();
     let total = along[n - 1];
     let asking = asks.iter().filter(|a| **a).count() as f64 / n as f64;
@@ -258,46 +229,59 @@ fn runs_needed(
         .collect()
 }
 
-/// How high the ground stands above the ball at this place of a crease, along the middle of the two normals and a little to either
-/// side of it, mm.
+/// How high the ground stands above the ball at this place of a crease, between the walls it touches, mm.
 fn stands(
     c: &Point,
-    tangent: &Vector2,
     cutter: &DropCutter,
-    lattice: &Lattice,
+    reach: &Reachable,
     swept: &Swept,
     hint: &mut Hint,
 ) -> f64 {
-    let l = tangent.norm();
-    if l <= 0.0 {
-        return 0.0;
-    }
-    let across = Vector2::new(-tangent.y, tangent.x) / l;
-    // Far enough to be on one wall, near enough to be the same wall.
-    let side = 0.02 * cutter.radius();
-    let mut normal = |s: f64| -> Option<Vector> {
-        let q = c.xy() + across * s;
-        let r = cutter.drop_near(q.x, q.y, hint)?;
-        let d = r.center - r.point;
-        (d.norm() > 0.0).then(|| d / d.norm())
-    };
-    let (Some(u), Some(v)) = (normal(-side), normal(side)) else {
-        return 0.0;
-    };
+    const H: f64 = 0.866_025_403_784_438_6;
+    const RING: [(f64, f64); 6] = [
+        (1.0, 0.0),
+        (0.5, H),
+        (-0.5, H),
+        (-1.0, 0.0),
+        (-0.5, -H),
+        (0.5, -H),
+    ];
     let r = cutter.radius();
-    [0.25, 0.5, 0.75]
-        .into_iter()
-        .filter_map(|t| {
-            let m = u * (1.0 - t) + v * t;
-            let m = m / m.norm().max(1e-9);
-            let q = c - m * r;
-            let (ix, iy) = lattice.nearest(q.x, q.y)?;
-            let cell = lattice.center(ix, iy);
-            let d_sq = (cell - c.xy()).norm_squared();
-            let under = c.z - (r * r - d_sq).max(0.0).sqrt();
-            Some((swept.z[lattice.index(ix, iy)] - under) * m.z.max(0.0))
-        })
-        .fold(0.0, f64::max)
+    // Far enough to be on one wall, near enough to be the same wall.
+    let side = 0.02 * r;
+    let mut normals: Vec<Vector> = Vec::with_capacity(RING.len());
+    for (u, v) in RING {
+        if let Some(t) = cutter.drop_near(c.x + side * u, c.y + side * v, hint) {
+            let n = (t.center - t.point) / r;
+            if normals.iter().all(|m| (m - n).norm() > 0.05) {
+                normals.push(n);
+            }
+        }
+    }
+    let lattice = &reach.lattice;
+    let above = |m: Vector| -> f64 {
+        let m = m / m.norm().max(1e-9);
+        let q = c - m * r;
+        let Some((ix, iy)) = lattice.nearest(q.x, q.y) else {
+            return 0.0;
+        };
+        let i = lattice.index(ix, iy);
+        if reach.part_z[i].is_nan() {
+            return 0.0;
+        }
+        let d_sq = (lattice.center(ix, iy) - c.xy()).norm_squared();
+        let under = c.z - (r * r - d_sq).max(0.0).sqrt();
+        (swept.z[i] - under) * m.z.max(0.0)
+    };
+    let mut most = above(normals.iter().sum());
+    for (k, u) in normals.iter().enumerate() {
+        for v in &normals[k + 1..] {
+            for t in [0.25, 0.5, 0.75] {
+                most = most.max(above(u * (1.0 - t) + v * t));
+            }
+        }
+    }
+    most
 }
 
 /// The part of a run between two lengths along it.
