@@ -110,9 +110,7 @@ fn normal_at(grid: &ToolCentreGrid, i: usize) -> Vector {
 
 /// Do the normals turn towards each other by so much that a crease may lie between?
 fn suspect(grid: &ToolCentreGrid, i: usize, j: usize, angle: f64) -> bool {
-    let (a, b) = (grid.kind[i], grid.kind[j]);
-    if a == NodeKind::Air || b == NodeKind::Air || (a != NodeKind::Ground && b != NodeKind::Ground)
-    {
+    if grid.kind[i] == NodeKind::Air || grid.kind[j] == NodeKind::Air {
         return false;
     }
     let (u, v) = (normal_at(grid, i), normal_at(grid, j));
