@@ -7,6 +7,7 @@ use super::progress::Progress;
 use super::show::{self, CriticalJson, PartJson};
 use super::{Failure, pictures};
 use crate::reach::DropCutter;
+use crate::toolpath::plan::DEFAULT_WALL_ANGLE;
 use crate::toolpath::{PlanOptions, Stage, plan};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -86,6 +87,9 @@ pub fn run(a: &FeaturesArgs) -> Result<ExitCode, Failure> {
         grid_step: None,
         persistence: a.persistence,
         memory_limit_bytes: 4 << 30,
+        wall_angle: DEFAULT_WALL_ANGLE,
+        floor: None,
+        flute: a.tool.tool.flute_length(),
     };
     let mut stage = |at: Stage| {
         let (name, words) = show::stage_words(at);

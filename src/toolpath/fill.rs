@@ -5,7 +5,6 @@
 
 use super::fit::{FitOptions, resample, smooth};
 use super::pass::{Pass, PassKind, laid};
-use super::pencil::needed;
 use super::skeleton::middle_lines;
 use crate::feature::Regions;
 use crate::geom::Point2;
@@ -43,26 +42,19 @@ pub struct FillReport {
 const UPRIGHT: f32 = 0.02;
 
 /// Adds fill passes to `passes` until no cusp stands over, or the rounds are used up. Each round costs a sweep of what it added and a
-/// look at every cell. Of `pencils` those come first that cut what the passes leave.
-#[allow(clippy::too_many_arguments)]
+/// look at every cell.
 pub fn fill(
     grid: &ToolCentreGrid,
     cutter: &DropCutter,
     regions: &Regions,
     reach: &Reachable,
     passes: &mut Vec<Pass>,
-    pencils: Vec<Pass>,
     options: &FillOptions,
     fitting: &FitOptions,
 ) -> FillReport {
     let mut report = FillReport::default();
     let mut swept = Swept::new(reach.lattice);
     swept.cut(&segments(passes), cutter.radius());
-    let stepover = (8.0 * options.scallop * cutter.radius()).sqrt();
-    let over = options.keep * options.scallop;
-    let pencils = needed(pencils, cutter, reach, &swept, over, 0.5 * stepover);
-    swept.cut(&segments(&pencils), cutter.radius());
-    passes.extend(pencils);
     loop {
         let (cells, left) = standing(reach, &swept, options);
         report.cells_left = left;
@@ -116,7 +108,7 @@ pub fn fill(
 }
 
 /// Every straight piece of some passes; a pass of one point is a piece without length.
-fn segments(passes: &[Pass]) -> Vec<Segment> {
+pub(super) fn segments(passes: &[Pass]) -> Vec<Segment> {
     let mut out = Vec::new();
     for p in passes {
         let run = p.run();

@@ -17,6 +17,7 @@ pub mod pass;
 pub mod pencil;
 pub mod plan;
 mod skeleton;
+pub mod wall;
 
 pub use fit::FitOptions;
 pub use link::LinkOptions;

@@ -1,6 +1,7 @@
 //! Passes: level curves of a feature, trimmed to the ground that is its own, and the loop along the part's border.
 
 use super::fit::{FitOptions, fit, resample, rest, smooth};
+use super::wall::Steep;
 use crate::feature::{Feature, Regions};
 use crate::field::level_curves;
 use crate::geom::{Point, Point2};
@@ -14,6 +15,8 @@ pub enum PassKind {
     Border,
     /// A level curve of a feature.
     Level,
+    /// At constant height along a steep wall.
+    Wall,
     /// Along a crease, where the ball touches two walls at once.
     Pencil,
     /// Where the others left too high a cusp.
@@ -67,16 +70,17 @@ impl Pass {
 /// Passes run on this far (in passes) into ground already taken, so that they end on its rim for certain.
 const OVERLAP: f64 = 0.1;
 
-/// Level passes of all features and the border loops. All cores; the order does not depend on them.
+/// Level passes of all features but for the walls, and the border loops. All cores; the order does not depend on them.
 pub fn passes(
     grid: &ToolCentreGrid,
     cutter: &DropCutter,
     regions: &Regions,
+    steep: &Steep,
     fitting: &FitOptions,
 ) -> Vec<Pass> {
     let mut out: Vec<Pass> = border(grid, cutter, regions, fitting);
     for (index, feature) in regions.features.iter().enumerate() {
-        let curves = trimmed_levels(grid, feature);
+        let curves = trimmed_levels(grid, feature, steep);
         let fitted: Vec<Vec<Pass>> = curves
             .par_iter()
             .map(|(curve, closed)| {
@@ -121,15 +125,24 @@ pub fn laid(
     runs.into_iter().map(|r| (r, false)).collect()
 }
 
-/// Level curves of a feature in plan, cut off where the ground was taken before.
-fn trimmed_levels(grid: &ToolCentreGrid, feature: &Feature) -> Vec<(Vec<Point2>, bool)> {
+/// Level curves of a feature in plan, cut off where the ground was taken before, and where they run along a wall.
+fn trimmed_levels(
+    grid: &ToolCentreGrid,
+    feature: &Feature,
+    steep: &Steep,
+) -> Vec<(Vec<Point2>, bool)> {
     let value = |n: usize| feature.field.at(grid, n);
     let mut out = Vec::new();
     for curve in level_curves(grid, &value, &feature.levels) {
+        let walls = steep.along(grid, &curve);
         let at: Vec<(Point2, f64)> = curve
             .at
             .iter()
-            .map(|e| {
+            .zip(walls)
+            .map(|(e, wall)| {
+                if wall {
+                    return (e.xy(grid), -1.0);
+                }
                 let free = e.value(|n| {
                     let f = feature.free.at(grid, n);
                     if f.is_finite() { f } else { -1.0 }

@@ -12,10 +12,11 @@
 
 use super::fit::FitOptions;
 use super::pass::{Pass, PassKind, laid};
+use super::wall::moved_out;
 use crate::feature::Regions;
 use crate::geom::{Point, Point2, Vector, Vector2};
-use crate::reach::{Crease, CreaseOptions, CreasePoint, DropCutter, Hint, ToolCentreGrid, creases};
-use crate::sweep::{Reachable, Swept};
+use crate::reach::{Crease, CreaseOptions, CreasePoint, DropCutter, Hint, ToolCentreGrid};
+use crate::sweep::{Paths, Segment};
 use rayon::prelude::*;
 
 /// Which creases get a pass.
@@ -40,15 +41,15 @@ impl PencilOptions {
     }
 }
 
-/// A pass along every crease of a grid. All cores; the order does not depend on them.
+/// A pass along each of some creases. All cores; the order does not depend on them.
 pub fn pencil(
     grid: &ToolCentreGrid,
     cutter: &DropCutter,
     regions: &Regions,
+    chains: &[Crease],
     options: &PencilOptions,
     fitting: &FitOptions,
 ) -> Vec<Pass> {
-    let chains = creases(grid, cutter, &options.crease);
     let fitted: Vec<Vec<Pass>> = chains
         .par_iter()
         .map(|c| along(grid, cutter, regions, c, options, fitting))
@@ -96,37 +97,20 @@ fn along(
 
 /// The crease in plan, moved out from under upright walls.
 fn beside(cutter: &DropCutter, crease: &Crease, off_wall: f64) -> Vec<Point2> {
-    let p = &crease.points;
-    let n = p.len();
-    let at = |k: usize| p[k].center.xy();
-    // Across each piece from one place to the next, away from the wall.
-    let across = |k: usize| -> Option<Vector2> {
-        let l = (k + 1) % n;
-        let d = at(l) - at(k);
-        let length = d.norm();
-        if length <= 0.0 {
-            return None;
-        }
-        let side = Vector2::new(-d.y, d.x) / length;
-        let out = p[k].out + p[l].out;
-        Some(if side.dot(&out) < 0.0 { -side } else { side })
-    };
-    (0..n)
-        .map(|k| {
-            if p[k].rise <= 0.0 {
-                return at(k);
+    let at: Vec<(Point2, Vector2)> = crease
+        .points
+        .iter()
+        .map(|p| (p.center.xy(), p.out))
+        .collect();
+    moved_out(&at, crease.closed, off_wall)
+        .into_iter()
+        .zip(&crease.points)
+        .map(|(q, p)| {
+            if p.rise > 0.0 {
+                free(cutter, p, q, off_wall)
+            } else {
+                p.center.xy()
             }
-            let before = (crease.closed || k > 0)
-                .then(|| across((k + n - 1) % n))
-                .flatten();
-            let after = (crease.closed || k + 1 < n).then(|| across(k)).flatten();
-            let off = match (before, after) {
-                // The corner of the two lines moved out.
-                (Some(u), Some(v)) => (u + v) / (1.0 + u.dot(&v)).max(0.3),
-                (Some(u), None) | (None, Some(u)) => u,
-                (None, None) => p[k].out,
-            };
-            free(cutter, &p[k], at(k) + off * off_wall, off_wall)
         })
         .collect()
 }
@@ -150,19 +134,23 @@ fn free(cutter: &DropCutter, p: &CreasePoint, wanted: Point2, off_wall: f64) -> 
     best.1
 }
 
-/// The runs of passes along which the ball that lies in the crease has not been there yet: where what `swept` left stands more
-/// than `over` (mm) above it, and a stepover to either side. Bits shorter than `shortest` (mm) are dropped, gaps as short are kept.
+/// The runs of passes along which the ball that lies in the crease has not been there yet: where what `cut` (moves of the ball's
+/// centre) left stands more than `over` (mm) above it, and half a stepover to either side.
 pub fn needed(
     passes: Vec<Pass>,
     cutter: &DropCutter,
-    reach: &Reachable,
-    swept: &Swept,
+    cut: &[Segment],
     over: f64,
-    shortest: f64,
+    stepover: f64,
 ) -> Vec<Pass> {
+    if passes.is_empty() {
+        return passes;
+    }
+    let b = cutter.bounds();
+    let paths = Paths::new(cut, 0.25 * cutter.radius(), (b.min.xy(), b.max.xy()));
     let kept: Vec<Vec<Pass>> = passes
         .into_par_iter()
-        .map(|p| runs_needed(p, cutter, reach, swept, over, shortest))
+        .map(|p| runs_needed(p, cutter, &paths, over, stepover))
         .collect();
     kept.into_iter().flatten().collect()
 }
@@ -170,12 +158,11 @@ pub fn needed(
 fn runs_needed(
     pass: Pass,
     cutter: &DropCutter,
-    reach: &Reachable,
-    swept: &Swept,
+    paths: &Paths,
     over: f64,
-    shortest: f64,
+    stepover: f64,
 ) -> Vec<Pass> {
-    let gap = 2.0 * reach.lattice.step;
+    let (gap, shortest) = (stepover / 7.0, 0.5 * stepover);
     // Even places along the pass, the corners among them.
     let mut at: Vec<Point> = Vec::new();
     for w in pass.run().windows(2) {
@@ -196,7 +183,7 @@ fn runs_needed(
     let mut hint = Hint::default();
     let asks: Vec<bool> = at
         .iter()
-        .map(|c| stands(c, cutter, reach, swept, &mut hint) > over)
+        .map(|c| stands(c, cutter, paths, over, &mut hint))
         .collect();
     let total = along[n - 1];
     let asking = asks.iter().filter(|a| **a).count() as f64 / n as f64;
@@ -229,14 +216,8 @@ fn runs_needed(
         .collect()
 }
 
-/// How high the ground stands above the ball at this place of a crease, between the walls it touches, mm.
-fn stands(
-    c: &Point,
-    cutter: &DropCutter,
-    reach: &Reachable,
-    swept: &Swept,
-    hint: &mut Hint,
-) -> f64 {
+/// Does the ground stand more than `over` (mm) above the ball at this place of a crease, between the walls it touches?
+fn stands(c: &Point, cutter: &DropCutter, paths: &Paths, over: f64, hint: &mut Hint) -> bool {
     const H: f64 = 0.866_025_403_784_438_6;
     const RING: [(f64, f64); 6] = [
         (1.0, 0.0),
@@ -258,30 +239,19 @@ fn stands(
             }
         }
     }
-    let lattice = &reach.lattice;
-    let above = |m: Vector| -> f64 {
-        let m = m / m.norm().max(1e-9);
-        let q = c - m * r;
-        let Some((ix, iy)) = lattice.nearest(q.x, q.y) else {
-            return 0.0;
-        };
-        let i = lattice.index(ix, iy);
-        if reach.part_z[i].is_nan() {
-            return 0.0;
-        }
-        let d_sq = (lattice.center(ix, iy) - c.xy()).norm_squared();
-        let under = c.z - (r * r - d_sq).max(0.0).sqrt();
-        (swept.z[i] - under) * m.z.max(0.0)
+    let above = |m: Vector| -> bool {
+        let q = c - m * (r / m.norm().max(1e-9));
+        cutter.surface_z(q.x, q.y).is_some()
+            && paths.distance(&q, r + 2.0 * over, &c.xy()) > r + over
     };
-    let mut most = above(normals.iter().sum());
-    for (k, u) in normals.iter().enumerate() {
-        for v in &normals[k + 1..] {
-            for t in [0.25, 0.5, 0.75] {
-                most = most.max(above(u * (1.0 - t) + v * t));
-            }
-        }
-    }
-    most
+    above(normals.iter().sum())
+        || normals.iter().enumerate().any(|(k, u)| {
+            normals[k + 1..].iter().any(|v| {
+                [0.25, 0.5, 0.75]
+                    .iter()
+                    .any(|t| above(u * (1.0 - t) + v * *t))
+            })
+        })
 }
 
 /// The part of a run between two lengths along it.

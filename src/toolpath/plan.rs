@@ -1,18 +1,19 @@
 //! The whole shape half in one call: a placed part in, a proven toolpath out, with everything seen on the way.
 
-use super::fill::{FillOptions, FillReport, fill};
+use super::fill::{FillOptions, FillReport, fill, segments};
 use super::fit::FitOptions;
 use super::link::{Air, LinkOptions, link};
 use super::moves::Toolpath;
 use super::order::order;
 use super::pass::{Pass, passes};
-use super::pencil::{PencilOptions, pencil};
+use super::pencil::{PencilOptions, needed, pencil};
+use super::wall::{Steep, TooDeep, Uprights, WallOptions, steep, walls};
 use crate::feature::{GrowOptions, Regions, grow};
 use crate::field::{Metric, Ruler};
 use crate::geom::{Point, Vector2};
 use crate::morse::{CriticalPoint, HeightField, MorseOptions, critical_points};
 use crate::part::Mesh;
-use crate::reach::{DropCutter, GridError, GridOptions, GridPlan, ToolCentreGrid};
+use crate::reach::{Crease, DropCutter, GridError, GridOptions, GridPlan, ToolCentreGrid, creases};
 use crate::sweep::{Reachable, reachable, reachable_bytes};
 
 /// How passes are spaced.
@@ -62,6 +63,12 @@ pub struct PlanOptions {
     pub persistence: Option<f64>,
     /// Most memory that grids may take.
     pub memory_limit_bytes: u64,
+    /// Ground steeper than this gets passes at constant height, degrees from the horizontal.
+    pub wall_angle: f64,
+    /// The tool's tip goes no lower than this beside a closed solid, work coordinates, mm; `None` = the part's lowest point.
+    pub floor: Option<f64>,
+    /// Length of the flutes, mm.
+    pub flute: f64,
 }
 
 /// Stages of planning, in order; for progress and timing.
@@ -92,6 +99,10 @@ const FILL_SHARE: f64 = 0.005;
 /// Fill where a cusp is higher than this share of what is wanted: below it lie what a lattice and a facet do to a measurement, and
 /// hundreds of bits whose links cost more than they mend.
 pub const FILL_START: f64 = 1.03;
+/// Ground steeper than this is a wall, degrees from the horizontal.
+pub const DEFAULT_WALL_ANGLE: f64 = 75.0;
+/// A crease gets a pencil pass where more than this share of the cusp wanted stands in it.
+const PENCIL_START: f64 = 0.75;
 /// Cells of the sweep map in a flat stepover: a cusp between two cells is then seen within a few percent.
 pub const CELLS_PER_STEPOVER: f64 = 14.0;
 
@@ -125,6 +136,8 @@ pub struct Plan {
     pub fitting: FitOptions,
     /// Cusp height the passes were spaced for, mm.
     pub spaced_for: f64,
+    /// Walls left standing because the flutes are too short for them.
+    pub too_deep: Vec<TooDeep>,
 }
 
 /// Stepover that leaves a cusp of `scallop` on the flat, mm.
@@ -246,13 +259,23 @@ pub fn plan(
     stage(Stage::Reachable);
     let reach = reachable(&ground.cutter, sweep_step(&ground.cutter, options.scallop));
     let air = Air::new(part, &ground.cutter, links);
-    let mut best = plan_at(ground, &reach, &air, options, PLAN_SHARES[0], links, stage);
+    let detail = Detail::find(part, ground, options);
+    let mut best = plan_at(
+        ground,
+        &reach,
+        &air,
+        &detail,
+        options,
+        PLAN_SHARES[0],
+        links,
+        stage,
+    );
     for &share in &PLAN_SHARES[1..] {
         let passes: f64 = best.passes.iter().map(Pass::length).sum();
         if best.fill.length_mm <= FILL_SHARE * passes {
             break;
         }
-        let next = plan_at(ground, &reach, &air, options, share, links, stage);
+        let next = plan_at(ground, &reach, &air, &detail, options, share, links, stage);
         if next.toolpath.rough_time(links) >= best.toolpath.rough_time(links) {
             break;
         }
@@ -265,6 +288,7 @@ fn plan_at(
     ground: &Ground,
     reach: &Reachable,
     air: &Air,
+    detail: &Detail,
     options: &PlanOptions,
     share: f64,
     links: &LinkOptions,
@@ -276,7 +300,11 @@ fn plan_at(
     let regions = features(ground, options.strategy, spaced_for);
     stage(Stage::Passes);
     let fitting = FitOptions::for_scallop(options.scallop, cutter.radius());
-    let mut all = passes(grid, cutter, &regions, &fitting);
+    let mut all = passes(grid, cutter, &regions, &detail.steep, &fitting);
+    let (down, too_deep) = detail.walls(ground, &regions, &fitting);
+    all.extend(down);
+    let pencils = detail.pencils(ground, &regions, &all, options.scallop, &fitting);
+    all.extend(pencils);
     stage(Stage::Fill);
     let how = FillOptions {
         scallop: options.scallop,
@@ -284,12 +312,7 @@ fn plan_at(
         keep: 0.75,
         rounds: 6,
     };
-    let creases =
-        PencilOptions::for_stepover(flat_stepover(options.scallop, grid.radius), &fitting);
-    let pencils = pencil(grid, cutter, &regions, &creases, &fitting);
-    let fill = fill(
-        grid, cutter, &regions, reach, &mut all, pencils, &how, &fitting,
-    );
+    let fill = fill(grid, cutter, &regions, reach, &mut all, &how, &fitting);
     stage(Stage::Link);
     // Begin at the corner of the part nearest the operator's zero: lowest x and y, from above.
     let b = cutter.bounds();
@@ -304,5 +327,79 @@ fn plan_at(
         section_features,
         fitting,
         spaced_for,
+        too_deep,
+    }
+}
+
+/// What is smaller or steeper than the ball likes: the same for every plan of a part.
+struct Detail<'a> {
+    creases: Vec<Crease>,
+    pencil: PencilOptions,
+    uprights: Uprights<'a>,
+    steep: Steep,
+}
+
+impl<'a> Detail<'a> {
+    fn find(part: &'a Mesh, ground: &Ground, options: &PlanOptions) -> Detail<'a> {
+        let (grid, cutter) = (&ground.grid, &ground.cutter);
+        let fitting = FitOptions::for_scallop(options.scallop, cutter.radius());
+        let stepover = flat_stepover(options.scallop, cutter.radius());
+        let pencil = PencilOptions::for_stepover(stepover, &fitting);
+        let uprights = Uprights::new(part, cutter.radius());
+        let steep = steep(
+            grid,
+            &uprights,
+            &WallOptions {
+                angle: options.wall_angle.to_radians(),
+                stepover: flat_stepover(PLAN_SHARES[0] * options.scallop, cutter.radius()),
+                floor: options.floor.unwrap_or(cutter.bounds().min.z),
+                flute: options.flute,
+                off_wall: pencil.off_wall,
+            },
+        );
+        Detail {
+            creases: creases(grid, cutter, &pencil.crease),
+            pencil,
+            uprights,
+            steep,
+        }
+    }
+
+    /// The pencil passes that cut what the others leave.
+    fn pencils(
+        &self,
+        ground: &Ground,
+        regions: &Regions,
+        others: &[Pass],
+        scallop: f64,
+        fitting: &FitOptions,
+    ) -> Vec<Pass> {
+        let (grid, cutter) = (&ground.grid, &ground.cutter);
+        let all = pencil(grid, cutter, regions, &self.creases, &self.pencil, fitting);
+        let stepover = flat_stepover(scallop, cutter.radius());
+        needed(
+            all,
+            cutter,
+            &segments(others),
+            PENCIL_START * scallop,
+            stepover,
+        )
+    }
+
+    fn walls(
+        &self,
+        ground: &Ground,
+        regions: &Regions,
+        fitting: &FitOptions,
+    ) -> (Vec<Pass>, Vec<TooDeep>) {
+        walls(
+            &ground.grid,
+            &ground.cutter,
+            regions,
+            &self.uprights,
+            &self.steep,
+            &self.creases,
+            fitting,
+        )
     }
 }
