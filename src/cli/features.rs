@@ -14,7 +14,7 @@ use crate::morse::{
 };
 use crate::part::{Loaded, Placement};
 use crate::reach::DropCutter;
-use crate::toolpath::{PLAN_SHARES, PlanOptions, Stage, flat_stepover, plan};
+use crate::toolpath::{PLAN_SHARES, DEFAULT_WALL_ANGLE, PlanOptions, Stage, flat_stepover, plan};
 use std::io::{self, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -281,6 +281,9 @@ fn on_grid(
         grid_step: None,
         persistence: a.persistence,
         memory_limit_bytes: 4 << 30,
+        wall_angle: DEFAULT_WALL_ANGLE,
+        floor: None,
+        flute: a.tool.tool.flute_length(),
     };
     let mut stage = |at: Stage| {
         let (name, words) = show::stage_words(at);

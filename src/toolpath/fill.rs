@@ -117,7 +117,7 @@ pub fn fill(
 }
 
 /// Every straight piece of some passes; a pass of one point is a piece without length.
-fn segments(passes: &[Pass]) -> Vec<Segment> {
+pub(super) fn segments(passes: &[Pass]) -> Vec<Segment> {
     let mut out = Vec::new();
     for p in passes {
         let run = p.run();

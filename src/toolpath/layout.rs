@@ -5,12 +5,13 @@
 //! ```
 
 use super::chain::{Chain, ChainOptions, chains};
+use super::detail::Detail;
 use super::even::{EvenOptions, correction};
 use super::fill::{FillOptions, cusps_at_nodes, fill};
 use super::fit::FitOptions;
 use super::link::{Air, LinkOptions, link};
 use super::order::order;
-use super::pass::{Pass, PassKind, PassOptions, passes};
+use super::pass::{Fitted, Pass, PassKind, PassOptions, passes};
 use super::plan::{Candidate, Ground, Plan, PlanOptions, Stage, Strategy, Weigh};
 use crate::feature::{GrowOptions, Regions, Source, farthest, grow, whole};
 use crate::field::{Front, Metric, Ruler};
@@ -43,6 +44,7 @@ impl Layout {
 /// Everything a layout is laid with.
 pub(super) struct Bench<'a> {
     pub ground: &'a Ground,
+    pub detail: &'a Detail<'a>,
     pub reach: &'a ReachTiles<'a>,
     pub air: &'a Air,
     pub options: &'a PlanOptions,
@@ -141,7 +143,15 @@ pub(super) fn lay(bench: &Bench, layout: &Layout, stage: &mut dyn FnMut(Stage)) 
 }
 
 fn lay_at(bench: &Bench, layout: &Layout, share: f64, stage: &mut dyn FnMut(Stage)) -> Plan {
-    let Bench { ground, reach, air, options, links, weigh } = *bench;
+    let Bench {
+        ground,
+        detail,
+        reach,
+        air,
+        options,
+        links,
+        weigh,
+    } = *bench;
     let (grid, cutter) = (&ground.grid, &ground.cutter);
     stage(Stage::Features);
     let is_raster = matches!(layout, Layout::Raster(_));
@@ -153,19 +163,23 @@ fn lay_at(bench: &Bench, layout: &Layout, share: f64, stage: &mut dyn FnMut(Stag
     let stepover = flat_stepover(options.scallop, cutter.radius());
     let shape = PassOptions {
         stepover,
+        detail: Fitted::Proven,
         corner: (links.feed * links.feed / (2.5 * links.acceleration)).min(CORNER * stepover),
     };
-    let mut laid = passes(grid, cutter, &regions, &shape, &fitting);
+    let draft = PassOptions {
+        detail: Fitted::Draft,
+        ..shape
+    };
+    let first = |regions: &Regions| passes(grid, cutter, regions, &draft, &detail.steep, &fitting);
     if is_raster {
         // Its one step is measured, not reckoned: as wide as its worst place allows.
         for _ in 0..2 {
-            let cusps = cusps_at_nodes(grid, reach, &laid);
+            let cusps = cusps_at_nodes(grid, reach, &first(&regions));
             let worst = highest_inside(grid, &cusps);
             widen(&mut regions, (options.scallop / worst).sqrt().clamp(0.5, 2.0));
-            laid = passes(grid, cutter, &regions, &shape, &fitting);
         }
     } else if layout_ruler(layout) == Ruler::IsoScallop {
-        let cusps = cusps_at_nodes(grid, reach, &laid);
+        let cusps = cusps_at_nodes(grid, reach, &first(&regions));
         let how = EvenOptions {
             spaced_for,
             reach: (0.55 * stepover / grid.step).ceil() as usize,
@@ -176,8 +190,12 @@ fn lay_at(bench: &Bench, layout: &Layout, share: f64, stage: &mut dyn FnMut(Stag
             t.iter_mut().for_each(|v| *v *= f64::from(*f));
         }
         regions = regions_of(ground, layout, spaced_for, &metric);
-        laid = passes(grid, cutter, &regions, &shape, &fitting);
     }
+    let mut laid = passes(grid, cutter, &regions, &shape, &detail.steep, &fitting);
+    let (down, too_deep) = detail.walls(ground, &regions, &fitting);
+    laid.extend(down);
+    let pencils = detail.pencils(ground, &regions, &laid, options.scallop, &fitting);
+    laid.extend(pencils);
     drop(metric);
     let how = ChainOptions {
         stepover,
@@ -210,6 +228,7 @@ fn lay_at(bench: &Bench, layout: &Layout, share: f64, stage: &mut dyn FnMut(Stag
         section_features,
         fitting,
         spaced_for,
+        too_deep,
         layout: layout.clone(),
         figures,
     }

@@ -3,6 +3,7 @@
 use super::border::border;
 use super::corner::round_corners;
 use super::fit::{FitOptions, fit, resample, smooth};
+use super::wall::Steep;
 use crate::feature::{Feature, Regions};
 use crate::field::level_curves;
 use crate::geom::{Point, Point2, Vector2};
@@ -16,6 +17,10 @@ pub enum PassKind {
     Border,
     /// A level curve of a feature.
     Level,
+    /// At constant height along a steep wall.
+    Wall,
+    /// Along a crease, where the ball touches two walls at once.
+    Pencil,
     /// Where the others left too high a cusp.
     Fill,
     /// From one pass to the next, on the surface.
@@ -71,26 +76,38 @@ pub const CORNER_ROUNDS: usize = 120;
 /// Passes run on this far (in passes) into ground already taken, so that they end on its rim for certain.
 const OVERLAP: f64 = 0.1;
 
+/// How exactly passes are laid on the surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fitted {
+    /// Only to be measured: dropped at every step of the grid, the chords between not proven.
+    Draft,
+    /// To be cut.
+    Proven,
+}
+
 /// Shape of passes, mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PassOptions {
+    /// How exactly they are laid.
+    pub detail: Fitted,
     /// Flat stepover of the job.
     pub stepover: f64,
     /// Radius that corners of level curves are rounded to.
     pub corner: f64,
 }
 
-/// Level passes of all features, by rising level, and then the stretches of the border that they leave. All cores; the order does not depend on them.
+/// Level passes of all features but for the walls, by rising level, and then the stretches of the border that they leave. All cores; the order does not depend on them.
 pub fn passes(
     grid: &ToolCentreGrid,
     cutter: &DropCutter,
     regions: &Regions,
     how: &PassOptions,
+    steep: &Steep,
     fitting: &FitOptions,
 ) -> Vec<Pass> {
     let mut out: Vec<Pass> = Vec::new();
     for (index, feature) in regions.features.iter().enumerate() {
-        let curves = trimmed_levels(grid, feature);
+        let curves = trimmed_levels(grid, feature, steep);
         let fitted: Vec<Vec<Pass>> = curves
             .par_iter()
             .map(|(curve, closed)| {
@@ -100,7 +117,10 @@ pub fn passes(
                 round_corners(&mut even, *closed, how.corner, CORNER_ROUNDS);
                 on_ground(grid, cutter, &even, *closed, how.stepover)
                     .into_iter()
-                    .flat_map(|(piece, closed)| laid(cutter, &piece, closed, fitting))
+                    .flat_map(|(piece, closed)| match how.detail {
+                        Fitted::Proven => laid(cutter, &piece, closed, fitting),
+                        Fitted::Draft => vec![(dropped(cutter, &piece), closed)],
+                    })
                     // What touches the ground in one place is no pass, but a plunge for nothing.
                     .filter(|(points, _)| points.len() > 1)
                     .map(|(points, closed)| Pass {
@@ -116,6 +136,15 @@ pub fn passes(
     }
     out.extend(border(grid, cutter, regions, fitting));
     out
+}
+
+/// The ball at every point of a curve in plan where it rests.
+fn dropped(cutter: &DropCutter, curve: &[Point2]) -> Vec<Point> {
+    let mut hint = Hint::default();
+    curve
+        .iter()
+        .filter_map(|q| cutter.drop_near(q.x, q.y, &mut hint).map(|c| c.center))
+        .collect()
 }
 
 /// Drops and fits one curve in plan; a closed curve that stays whole comes back closed.
@@ -137,15 +166,24 @@ pub fn laid(
     runs.into_iter().map(|r| (r, false)).collect()
 }
 
-/// Level curves of a feature in plan, cut off where the ground was taken before.
-fn trimmed_levels(grid: &ToolCentreGrid, feature: &Feature) -> Vec<(Vec<Point2>, bool)> {
+/// Level curves of a feature in plan, cut off where the ground was taken before, and where they run along a wall.
+fn trimmed_levels(
+    grid: &ToolCentreGrid,
+    feature: &Feature,
+    steep: &Steep,
+) -> Vec<(Vec<Point2>, bool)> {
     let value = |n: usize| feature.field.at(grid, n);
     let mut out = Vec::new();
     for curve in level_curves(grid, &value, &feature.levels) {
+        let walls = steep.along(grid, &curve);
         let at: Vec<(Point2, f64)> = curve
             .at
             .iter()
-            .map(|e| {
+            .zip(walls)
+            .map(|(e, wall)| {
+                if wall {
+                    return (e.xy(grid), -1.0);
+                }
                 let free = e.value(|n| {
                     let f = feature.free.at(grid, n);
                     if f.is_finite() { f } else { -1.0 }

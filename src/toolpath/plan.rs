@@ -1,5 +1,6 @@
 //! The whole shape half in one call: a placed part in, a proven toolpath out, with everything seen on the way.
 
+use super::detail::Detail;
 use super::estimate::{best_raster_angle, best_source};
 use super::fill::{FillReport, far};
 use super::fit::FitOptions;
@@ -7,6 +8,7 @@ use super::layout::{Bench, Layout, flat_stepover, lay, regions_of, sweep_step};
 use super::link::{Air, LinkOptions};
 use super::moves::{MoveKind, Toolpath};
 use super::pass::Pass;
+use super::wall::TooDeep;
 use crate::feature::Regions;
 use crate::field::{Metric, Ruler};
 use crate::geom::Vector2;
@@ -74,6 +76,12 @@ pub struct PlanOptions {
     pub persistence: Option<f64>,
     /// Most memory that grids may take.
     pub memory_limit_bytes: u64,
+    /// Ground steeper than this gets passes at constant height, degrees from the horizontal.
+    pub wall_angle: f64,
+    /// The tool's tip goes no lower than this beside a closed solid, work coordinates, mm; `None` = the part's lowest point.
+    pub floor: Option<f64>,
+    /// Length of the flutes, mm.
+    pub flute: f64,
 }
 
 /// Stages of planning, in order; for progress and timing.
@@ -127,6 +135,8 @@ pub struct Plan {
     pub fitting: FitOptions,
     /// Cusp height the passes were spaced for, mm.
     pub spaced_for: f64,
+    /// Walls left standing because the flutes are too short for them.
+    pub too_deep: Vec<TooDeep>,
     /// What was laid.
     pub layout: Layout,
     /// Figures of its toolpath.
@@ -283,8 +293,10 @@ pub fn plan<'g>(
     let stepover = flat_stepover(options.scallop, ground.cutter.radius());
     let reach = ReachTiles::new(&ground.cutter, step, far(stepover, step) as usize + 1);
     let air = Air::new(part, &ground.cutter, links);
+    let detail = Detail::find(part, ground, options);
     let bench = Bench {
         ground,
+        detail: &detail,
         reach: &reach,
         air: &air,
         options,

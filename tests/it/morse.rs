@@ -141,6 +141,9 @@ pub fn options(scallop: f64) -> PlanOptions {
         grid_step: None,
         persistence: None,
         memory_limit_bytes: 1 << 30,
+        wall_angle: 75.0,
+        floor: None,
+        flute: 20.0,
     }
 }
 
