@@ -7,7 +7,7 @@
 mod common;
 
 use common::{Height, RADIUS, SIDE, gentle, measure, places, relief, steep, table};
-use divan::{Bencher, black_box};
+use divan::Bencher;
 use morsemill::geom::Point2;
 use morsemill::reach::{DropCutter, Hint};
 
@@ -33,23 +33,19 @@ fn rows(bencher: Bencher, name: &'static str, triangles: usize, height: Height) 
                     .map_or(0.0, |c| c.center.z);
             }
         }
-        black_box(sum)
+        sum
     };
-    bencher.bench_local(|| measure(name, triangles, ROWS * ROWS, work));
+    measure(bencher, name, triangles, ROWS * ROWS, work);
 }
 
 fn at_random(bencher: Bencher, name: &'static str, triangles: usize, height: Height) {
     let cutter = DropCutter::new(&relief(triangles, height), RADIUS);
     let places = places(ROWS * ROWS / 2);
     let work = || {
-        let sum: f64 = places
-            .iter()
-            .filter_map(|(x, y)| cutter.drop(*x, *y))
-            .map(|c| c.center.z)
-            .sum();
-        black_box(sum)
+        let dropped = places.iter().filter_map(|(x, y)| cutter.drop(*x, *y));
+        dropped.map(|c| c.center.z).sum::<f64>()
     };
-    bencher.bench_local(|| measure(name, triangles, places.len(), work));
+    measure(bencher, name, triangles, places.len(), work);
 }
 
 fn all_at_once(bencher: Bencher, name: &'static str, triangles: usize, height: Height) {
@@ -58,47 +54,46 @@ fn all_at_once(bencher: Bencher, name: &'static str, triangles: usize, height: H
         .iter()
         .map(|(x, y)| Point2::new(*x, *y))
         .collect();
-    let work = || black_box(cutter.drop_all(&places)).len();
-    bencher.bench_local(|| measure(name, triangles, places.len(), work));
+    measure(bencher, name, triangles, places.len(), || {
+        cutter.drop_all(&places)
+    });
 }
 
-#[divan::bench(args = TRIANGLES, sample_count = 3, sample_size = 1)]
+#[divan::bench(args = TRIANGLES, sample_count = 2, sample_size = 1, min_time = 0.4)]
 fn gentle_rows(b: Bencher, triangles: usize) {
     rows(b, "gentle, row by row", triangles, gentle);
 }
 
-#[divan::bench(args = TRIANGLES, sample_count = 3, sample_size = 1)]
+#[divan::bench(args = TRIANGLES, sample_count = 2, sample_size = 1, min_time = 0.4)]
 fn gentle_at_random(b: Bencher, triangles: usize) {
     at_random(b, "gentle, at random, one by one", triangles, gentle);
 }
 
-#[divan::bench(args = TRIANGLES, sample_count = 3, sample_size = 1)]
+#[divan::bench(args = TRIANGLES, sample_count = 2, sample_size = 1, min_time = 0.4)]
 fn gentle_all_at_once(b: Bencher, triangles: usize) {
     all_at_once(b, "gentle, at random, all at once", triangles, gentle);
 }
 
-#[divan::bench(args = TRIANGLES, sample_count = 3, sample_size = 1)]
+#[divan::bench(args = TRIANGLES, sample_count = 2, sample_size = 1, min_time = 0.4)]
 fn steep_rows(b: Bencher, triangles: usize) {
     rows(b, "steep, row by row", triangles, steep);
 }
 
-#[divan::bench(args = TRIANGLES, sample_count = 3, sample_size = 1)]
+#[divan::bench(args = TRIANGLES, sample_count = 2, sample_size = 1, min_time = 0.4)]
 fn steep_at_random(b: Bencher, triangles: usize) {
     at_random(b, "steep, at random, one by one", triangles, steep);
 }
 
-#[divan::bench(args = TRIANGLES, sample_count = 3, sample_size = 1)]
+#[divan::bench(args = TRIANGLES, sample_count = 2, sample_size = 1, min_time = 0.4)]
 fn steep_all_at_once(b: Bencher, triangles: usize) {
     all_at_once(b, "steep, at random, all at once", triangles, steep);
 }
 
-#[divan::bench(args = TRIANGLES, sample_count = 2, sample_size = 1)]
+#[divan::bench(args = TRIANGLES, sample_count = 2, sample_size = 1, min_time = 0.4)]
 fn gentle_building_the_tree(b: Bencher, triangles: usize) {
     let mesh = relief(triangles, gentle);
     let n = mesh.triangles.len();
-    b.bench_local(|| {
-        measure("gentle, building the tree", triangles, n, || {
-            DropCutter::new(&mesh, RADIUS)
-        })
+    measure(b, "gentle, building the tree", triangles, n, || {
+        DropCutter::new(&mesh, RADIUS)
     });
 }

@@ -8,7 +8,7 @@
 mod common;
 
 use common::{RADIUS, SIDE, gentle, measure, relief, table};
-use divan::{Bencher, black_box};
+use divan::Bencher;
 use morsemill::field::march::Access;
 use morsemill::field::{Front, MarchOptions, Metric, Ruler, level_curves, march};
 use morsemill::reach::{DropCutter, GridOptions, GridPlan, ToolCentreGrid};
@@ -64,39 +64,31 @@ fn field(grid: &ToolCentreGrid, metric: &Metric) -> Vec<f64> {
     value
 }
 
-#[divan::bench(args = NODES, sample_count = 2, sample_size = 1)]
+#[divan::bench(args = NODES, sample_count = 2, sample_size = 1, min_time = 0.4)]
 fn tool_centre_grid(b: Bencher, nodes: usize) {
     let cutter = cutter();
     let plan = plan(&cutter, nodes);
-    b.bench_local(|| {
-        measure("tool-centre grid", nodes, nodes, || {
-            ToolCentreGrid::new(&cutter, &plan).unwrap().len()
-        })
+    measure(b, "tool-centre grid", nodes, nodes, || {
+        ToolCentreGrid::new(&cutter, &plan).unwrap()
     });
 }
 
-#[divan::bench(args = NODES, sample_count = 2, sample_size = 1)]
+#[divan::bench(args = NODES, sample_count = 2, sample_size = 1, min_time = 0.4)]
 fn cusp_metric(b: Bencher, nodes: usize) {
     let grid = grid(nodes);
-    b.bench_local(|| {
-        measure("cusp metric", nodes, grid.len(), || {
-            black_box(Metric::new(&grid, Ruler::IsoScallop, SCALLOP)).rings
-        })
+    measure(b, "cusp metric", nodes, grid.len(), || {
+        Metric::new(&grid, Ruler::IsoScallop, SCALLOP)
     });
 }
 
-#[divan::bench(args = NODES, sample_count = 2, sample_size = 1)]
+#[divan::bench(args = NODES, sample_count = 2, sample_size = 1, min_time = 0.4)]
 fn marching(b: Bencher, nodes: usize) {
     let grid = grid(nodes);
     let metric = Metric::new(&grid, Ruler::IsoScallop, SCALLOP);
-    b.bench_local(|| {
-        measure("march", nodes, grid.len(), || {
-            black_box(field(&grid, &metric)).len()
-        })
-    });
+    measure(b, "march", nodes, grid.len(), || field(&grid, &metric));
 }
 
-#[divan::bench(args = NODES, sample_count = 2, sample_size = 1)]
+#[divan::bench(args = NODES, sample_count = 2, sample_size = 1, min_time = 0.4)]
 fn contours(b: Bencher, nodes: usize) {
     let grid = grid(nodes);
     let metric = Metric::new(&grid, Ruler::IsoScallop, SCALLOP);
@@ -106,9 +98,7 @@ fn contours(b: Bencher, nodes: usize) {
         .filter(|v| v.is_finite())
         .fold(0.0, |a: f64, b| a.max(*b));
     let levels: Vec<f64> = (0..top as usize).map(|k| k as f64 + 0.5).collect();
-    b.bench_local(|| {
-        measure("level curves", nodes, grid.len(), || {
-            black_box(level_curves(&grid, &|i| value[i], &levels)).len()
-        })
+    measure(b, "level curves", nodes, grid.len(), || {
+        level_curves(&grid, &|i| value[i], &levels)
     });
 }

@@ -28,22 +28,20 @@ fn mill(b: Bencher, row: &'static str, size: usize, triangles: usize, scallop: f
     let dir = tempfile::tempdir().unwrap();
     let part = dir.path().join("part.stl");
     std::fs::write(&part, stl(&relief(triangles, f))).unwrap();
-    b.bench_local(|| {
-        measure(row, size, 1, || {
-            // Whether it may be milled is not asked here, only how long the answer takes.
-            let done = Command::new(env!("CARGO_BIN_EXE_morsemill"))
-                .arg("mill")
-                .arg(&part)
-                .arg("-o")
-                .arg(dir.path().join("part.nc"))
-                .args(["--up", "+z", "--tool", "ball:6"])
-                .args(["--scallop", &scallop.to_string()])
-                .stdout(Stdio::null())
-                .stderr(Stdio::null())
-                .status()
-                .unwrap();
-            assert!(matches!(done.code(), Some(0 | 1)), "{done}");
-        })
+    measure(b, row, size, 1, || {
+        // Whether it may be milled is not asked here, only how long the answer takes.
+        let done = Command::new(env!("CARGO_BIN_EXE_morsemill"))
+            .arg("mill")
+            .arg(&part)
+            .arg("-o")
+            .arg(dir.path().join("part.nc"))
+            .args(["--up", "+z", "--tool", "ball:6"])
+            .args(["--scallop", &scallop.to_string()])
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .status()
+            .unwrap();
+        assert!(matches!(done.code(), Some(0 | 1)), "{done}");
     });
 }
 

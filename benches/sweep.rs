@@ -8,7 +8,7 @@
 mod common;
 
 use common::{RADIUS, SIDE, gentle, measure, relief, table};
-use divan::{Bencher, black_box};
+use divan::Bencher;
 use morsemill::geom::Point;
 use morsemill::reach::{DropCutter, Hint};
 use morsemill::sweep::{FinishOptions, Segment, Swept, finish, reachable};
@@ -49,31 +49,27 @@ fn cutter() -> DropCutter {
     DropCutter::new(&relief(100_000, gentle), RADIUS)
 }
 
-#[divan::bench(args = CELLS, sample_count = 2, sample_size = 1)]
+#[divan::bench(args = CELLS, sample_count = 2, sample_size = 1, min_time = 0.4)]
 fn reachable_surface(b: Bencher, cells: usize) {
     let cutter = cutter();
-    b.bench_local(|| {
-        measure("reachable surface", cells, cells, || {
-            black_box(reachable(&cutter, step(cells))).lattice.len()
-        })
+    measure(b, "reachable surface", cells, cells, || {
+        reachable(&cutter, step(cells))
     });
 }
 
-#[divan::bench(args = CELLS, sample_count = 2, sample_size = 1)]
+#[divan::bench(args = CELLS, sample_count = 2, sample_size = 1, min_time = 0.4)]
 fn cutting(b: Bencher, cells: usize) {
     let cutter = cutter();
     let segments = raster(&cutter);
     let lattice = reachable(&cutter, step(cells)).lattice;
-    b.bench_local(|| {
-        measure("sweeping the ball", cells, lattice.len(), || {
-            let mut swept = Swept::new(lattice);
-            swept.cut(&segments, RADIUS);
-            black_box(swept).z.len()
-        })
+    measure(b, "sweeping the ball", cells, lattice.len(), || {
+        let mut swept = Swept::new(lattice);
+        swept.cut(&segments, RADIUS);
+        swept
     });
 }
 
-#[divan::bench(args = CELLS, sample_count = 2, sample_size = 1)]
+#[divan::bench(args = CELLS, sample_count = 2, sample_size = 1, min_time = 0.4)]
 fn judging(b: Bencher, cells: usize) {
     let cutter = cutter();
     let segments = raster(&cutter);
@@ -81,11 +77,7 @@ fn judging(b: Bencher, cells: usize) {
     let mut swept = Swept::new(reach.lattice);
     swept.cut(&segments, RADIUS);
     let options = FinishOptions::for_scallop(SCALLOP);
-    b.bench_local(|| {
-        measure("judging cusps", cells, swept.z.len(), || {
-            black_box(finish(&reach, &swept, &segments, &options))
-                .unwrap()
-                .stats
-        })
+    measure(b, "judging cusps", cells, swept.z.len(), || {
+        finish(&reach, &swept, &segments, &options).unwrap()
     });
 }

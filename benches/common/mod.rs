@@ -9,6 +9,8 @@
     reason = "each bench uses its share; a bench that fails should say where; its table is for the terminal"
 )]
 
+use divan::counter::ItemsCount;
+use divan::{Bencher, black_box};
 use morsemill::geom::Point;
 use morsemill::part::Mesh;
 use std::sync::Mutex;
@@ -103,27 +105,38 @@ fn cpu() -> f64 {
     })
 }
 
+/// What was booked for one size.
+struct Cost {
+    size: usize,
+    seconds: f64,
+    items: f64,
+}
+
 struct Row {
     name: &'static str,
-    /// Size, and seconds per item, the least seen.
-    costs: Vec<(usize, f64)>,
+    costs: Vec<Cost>,
 }
 
 static ROWS: Mutex<Vec<Row>> = Mutex::new(Vec::new());
 
-/// Runs `work` on `items` things and books its CPU time under a row and a size: at least 0.4 s of it, since the system counts in
-/// hundredths.
-pub fn measure<T>(name: &'static str, size: usize, items: usize, mut work: impl FnMut() -> T) -> T {
-    let begin = cpu();
-    let mut rounds = 0.0;
-    let out = loop {
-        let out = work();
-        rounds += 1.0;
-        if cpu() - begin > 0.4 {
-            break out;
-        }
-    };
-    let cost = (cpu() - begin) / rounds / items as f64;
+/// Runs `work` on `items` things again and again, as `divan` decides, and books the CPU time of each run under a row and a size.
+/// The system counts in hundredths of a second, so all runs of a size together should take some tenths.
+pub fn measure<T>(
+    bencher: Bencher,
+    row: &'static str,
+    size: usize,
+    items: usize,
+    mut work: impl FnMut() -> T,
+) {
+    bencher.counter(ItemsCount::new(items)).bench_local(|| {
+        let begin = cpu();
+        let out = black_box(work());
+        book(row, size, cpu() - begin, items as f64);
+        out
+    });
+}
+
+fn book(name: &'static str, size: usize, seconds: f64, items: f64) {
     let mut rows = ROWS.lock().unwrap();
     let row = match rows.iter_mut().position(|r| r.name == name) {
         Some(i) => &mut rows[i],
@@ -135,11 +148,17 @@ pub fn measure<T>(name: &'static str, size: usize, items: usize, mut work: impl 
             rows.last_mut().unwrap()
         }
     };
-    match row.costs.iter_mut().find(|c| c.0 == size) {
-        Some(c) => c.1 = c.1.min(cost),
-        None => row.costs.push((size, cost)),
+    match row.costs.iter_mut().find(|c| c.size == size) {
+        Some(c) => {
+            c.seconds += seconds;
+            c.items += items;
+        }
+        None => row.costs.push(Cost {
+            size,
+            seconds,
+            items,
+        }),
     }
-    out
 }
 
 /// Prints what was booked: for each row and size the cost per item and its ratio to the size before.
@@ -150,10 +169,11 @@ pub fn table(what: &str, sizes: &str) {
     }
     println!("\n{what}: CPU time per item, and how it grows from one size to the next ({sizes})");
     for row in rows.iter_mut() {
-        row.costs.sort_by_key(|c| c.0);
+        row.costs.sort_by_key(|c| c.size);
         print!("{:<34}", row.name);
         let mut before: Option<f64> = None;
-        for &(size, cost) in &row.costs {
+        for c in &row.costs {
+            let (size, cost) = (c.size, c.seconds / c.items);
             let (scale, unit) = if cost < 1e-4 { (1e6, "us") } else { (1.0, "s") };
             print!("  {}: {:.3} {unit}", short(size), cost * scale);
             if cost < 1e-4 {
