@@ -55,7 +55,7 @@ fn all_at_once(bencher: Bencher, name: &'static str, triangles: usize, height: H
         .map(|(x, y)| Point2::new(*x, *y))
         .collect();
     measure(bencher, name, triangles, places.len(), || {
-        cutter.drop_all(&places)
+        cutter.drop_many(&places)
     });
 }
 

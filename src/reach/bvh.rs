@@ -131,6 +131,17 @@ impl Node {
         out
     }
 
+    /// Which branches have a box in plan that overlaps a rectangle, borders included; all about the tree's middle.
+    #[inline(always)]
+    pub fn overlap(&self, [x0, y0]: [f32; 2], [x1, y1]: [f32; 2]) -> [bool; WIDTH] {
+        let mut out = [false; WIDTH];
+        for (i, out) in out.iter_mut().enumerate() {
+            *out =
+                (self.x0[i] <= x1) & (self.x1[i] >= x0) & (self.y0[i] <= y1) & (self.y1[i] >= y0);
+        }
+        out
+    }
+
     /// What a branch is. Only for branches that are there.
     #[inline(always)]
     pub fn child(&self, i: usize) -> Child {

@@ -1,6 +1,6 @@
 //! The drop cutter: a ball lowered along a vertical line until it touches the part.
 
-use super::bvh::{Bvh, Child};
+use super::bvh::{Bvh, Child, WIDTH};
 use super::contact::{inside_in_plan, normal, touch, touch_above};
 use crate::geom::{Box3, Point, Point2, Vector};
 use crate::part::Mesh;
@@ -167,7 +167,7 @@ impl DropCutter {
 
     /// Many places at once, in any order: as [`DropCutter::drop`] of each, but taken in an order in which neighbours follow one
     /// another, which is several times quicker than places at random. The answers are in the order of the places.
-    pub fn drop_all(&self, places: &[Point2]) -> Vec<Option<Contact>> {
+    pub fn drop_many(&self, places: &[Point2]) -> Vec<Option<Contact>> {
         let b = &self.bounds;
         // Interleaved bits of the cell, 2^16 cells a side: neighbours along this curve are neighbours in plan.
         let cell = |v: f64, lo: f64, hi: f64| {
@@ -261,6 +261,32 @@ impl DropCutter {
                 }
             }
         }
+    }
+
+    /// The triangles whose boxes in plan overlap a rectangle (and perhaps some that end within rounding of it), in the order of the
+    /// tree.
+    pub(super) fn within(&self, min: [f64; 2], max: [f64; 2]) -> Vec<[Point; 3]> {
+        let mut out = Vec::new();
+        if self.bvh.nodes.is_empty() {
+            return out;
+        }
+        // Within the part's own box, where single precision is as good as the boxes are wide.
+        let b = &self.bounds;
+        let (lx, ly) = self.bvh.local(min[0].max(b.min.x), min[1].max(b.min.y));
+        let (hx, hy) = self.bvh.local(max[0].min(b.max.x), max[1].min(b.max.y));
+        let mut waiting = vec![Child::Node(0)];
+        while let Some(next) = waiting.pop() {
+            match next {
+                Child::Triangle(place) => out.push(self.triangles[place as usize].0),
+                Child::Node(index) => {
+                    let node = &self.bvh.nodes[index as usize];
+                    let over = node.overlap([lx, ly], [hx, hy]);
+                    let branches = (0..WIDTH).rev().filter(|i| over[*i]);
+                    waiting.extend(branches.map(|i| node.child(i)));
+                }
+            }
+        }
+        out
     }
 
     /// True when the contact sits on the outline of the part's shadow: some point `reach` mm beside it is over empty air.
@@ -366,7 +392,7 @@ mod tests {
             let cutter = DropCutter::new(&mesh, r);
             let places: Vec<Point2> = places.iter().map(|(x, y)| Point2::new(x + off, y - off)).collect();
             let mut hint = Hint::default();
-            for (p, of_all) in places.iter().zip(cutter.drop_all(&places)) {
+            for (p, of_all) in places.iter().zip(cutter.drop_many(&places)) {
                 let got = cutter.drop(p.x, p.y);
                 prop_assert_eq!(brute(&mesh, r, p.x, p.y), got.map(|c| c.center.z));
                 prop_assert_eq!(got, cutter.drop_near(p.x, p.y, &mut hint));
@@ -411,7 +437,7 @@ mod tests {
         assert_eq!(cutter.drop(0.0, 0.0).map(|c| c.center.z), Some(4.0));
         for far in [4.0, 1e300, f64::INFINITY, f64::NAN] {
             assert_eq!(cutter.drop(far, 0.0), None);
-            assert_eq!(cutter.drop_all(&[Point2::new(0.0, far)]), [None]);
+            assert_eq!(cutter.drop_many(&[Point2::new(0.0, far)]), [None]);
         }
     }
 
