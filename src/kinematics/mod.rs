@@ -6,6 +6,7 @@
 //! full, the simulated controller pops one when its own time comes.
 
 pub mod chord;
+pub mod demand;
 pub mod planner;
 pub mod profile;
 pub mod quality;
@@ -13,6 +14,7 @@ pub mod settings;
 pub mod time;
 
 pub use chord::{Chords, chords};
+pub use demand::{Feed, LinkDemand, link_demand};
 pub use planner::{Block, Overrides, Planner, Pushed, Speed, Target};
 pub use profile::{Phase, Profile, Ramp};
 pub use quality::{Leg, MotionQuality, Purpose, path_quality};

@@ -13,7 +13,9 @@ mod bvh;
 pub mod contact;
 pub mod drop;
 pub mod grid;
+mod shell;
 
 pub use contact::touch_height;
 pub use drop::{Contact, DropCutter, Hint};
 pub use grid::{Crossing, GridError, GridOptions, GridPlan, LINK, NodeKind, ToolCentreGrid};
+pub use shell::Heights;

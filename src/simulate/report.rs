@@ -1,6 +1,6 @@
 //! The dry run's result, as people and machines read it. Names carry the units; serialised names are stable.
 
-use crate::kinematics::MotionQuality;
+use crate::kinematics::{LinkDemand, MotionQuality};
 use crate::sweep::{CuspMap, FinishStats};
 use serde::Serialize;
 
@@ -13,6 +13,8 @@ pub struct DryRun {
     pub time_s: TimeFigures,
     /// How well it moves.
     pub motion: MotionFigures,
+    /// What it needs of the link; `None` for a machine that is not fed over one, or a text that cannot be read.
+    pub link_demand: Option<LinkDemand>,
     /// Where the tool tip goes.
     pub extents: Extents,
     /// The surface left; `None` when no part was given.
@@ -76,6 +78,8 @@ pub enum Kind {
     Uncut,
     /// Feed faster than the machine goes.
     Feed,
+    /// Lines come slower than the machine goes.
+    Link,
     /// Nothing in the text moves, or nothing could be judged.
     Nothing,
 }
@@ -91,6 +95,7 @@ impl std::fmt::Display for Kind {
             Kind::Scallop => "scallop",
             Kind::Uncut => "uncut",
             Kind::Feed => "feed",
+            Kind::Link => "link",
             Kind::Nothing => "nothing",
         })
     }

@@ -9,10 +9,7 @@ use crate::units::{MmPerMin, Rpm, Seconds};
 use proptest::prelude::*;
 
 fn go(kind: MoveKind, x: f64, y: f64, z: f64) -> Move {
-    Move {
-        kind,
-        to: Point::new(x, y, z),
-    }
+    Move::straight(kind, Point::new(x, y, z))
 }
 
 fn job() -> Job {
@@ -252,7 +249,7 @@ fn any_path() -> impl Strategy<Value = Toolpath> {
                     to = last.to;
                     to[axis] += by;
                 }
-                moves.push(Move { kind, to });
+                moves.push(Move::straight(kind, to));
             }
             if moves.is_empty() {
                 moves.push(go(MoveKind::Rapid, 0.0, 0.0, safe_z));

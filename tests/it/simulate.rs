@@ -7,7 +7,7 @@ use morsemill::machine::Machine;
 use morsemill::part::Mesh;
 use morsemill::reach::DropCutter;
 use morsemill::simulate::{DryRun, DryRunOptions, Kind, PartContext, Stock, dry_run};
-use morsemill::sweep::reachable;
+use morsemill::sweep::ReachTiles;
 use std::fmt::Write;
 
 const R: f64 = 3.0;
@@ -38,7 +38,7 @@ fn grid(nx: usize, ny: usize, size: [f64; 2], z: impl Fn(f64, f64) -> f64) -> Me
 
 fn judge(mesh: &Mesh, text: &str, step: f64, options: &DryRunOptions) -> DryRun {
     let drop = DropCutter::new(mesh, R);
-    let reach = reachable(&drop, step);
+    let reach = ReachTiles::new(&drop, step, 1);
     let part = PartContext {
         mesh,
         drop: &drop,
@@ -460,10 +460,10 @@ fn raster_over_a_real_part() {
     let options = options();
     let t = std::time::Instant::now();
     let step = morsemill::simulate::judging_step(&b, R, 0.02);
-    let reach = reachable(&drop, step);
+    let reach = ReachTiles::new(&drop, step, 1);
     eprintln!(
         "reachable at {step:.4} mm, {} cells: {:?}",
-        reach.lattice.len(),
+        reach.lattice().len(),
         t.elapsed()
     );
     let part = PartContext {

@@ -8,10 +8,7 @@ use crate::toolpath::{Move, MoveKind, Section, Toolpath};
 use crate::units::{Mm, MmPerMin, Rpm, Seconds};
 
 fn go(kind: MoveKind, x: f64, y: f64, z: f64) -> Move {
-    Move {
-        kind,
-        to: Point::new(x, y, z),
-    }
+    Move::straight(kind, Point::new(x, y, z))
 }
 
 fn job() -> Job {
