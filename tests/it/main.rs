@@ -16,6 +16,7 @@ mod toolpath;
 
 mod hostile;
 mod link;
+mod looks;
 mod recordings;
 
 mod refusals;
