@@ -327,7 +327,10 @@ pub fn run(a: &MillArgs) -> Result<ExitCode, Failure> {
     let radius = a.tool.tool.radius;
     let mut progress = Progress::new();
     if a.arcs && !s.post.arcs {
-        say(&format!("note: --arcs: post {} has no arcs; the program will be of straight lines", s.post.name));
+        say(&format!(
+            "note: --arcs: post {} has no arcs; the program will be of straight lines",
+            s.post.name
+        ));
     }
     progress.stage("import", "reading the part");
     let (loaded, placement) = a.placing.load(&a.part)?;
@@ -356,7 +359,8 @@ pub fn run(a: &MillArgs) -> Result<ExitCode, Failure> {
     let ground =
         plan::survey(cutter, &s.plan, &mut announce, &mut stage).map_err(Failure::failed)?;
     let links = link_options(a, &s, &placement);
-    let (mut planned, reachable) = plan::plan(&placement.mesh, &ground, &s.plan, &links, &mut stage);
+    let (mut planned, reachable) =
+        plan::plan(&placement.mesh, &ground, &s.plan, &links, &mut stage);
     let mut progress = progress.into_inner();
 
     progress.stage("proof", "proving every segment");

@@ -94,8 +94,9 @@ pub fn link(
     let mut at: Option<Point> = None;
     let mut section_features: Vec<Option<usize>> = Vec::new();
     let mut hint = Hint::default();
-    let go =
-        |moves: &mut Vec<Move>, kind: MoveKind, c: Point| moves.push(Move::straight(kind, c + down));
+    let go = |moves: &mut Vec<Move>, kind: MoveKind, c: Point| {
+        moves.push(Move::straight(kind, c + down))
+    };
     for pass in ordered {
         let run = pass.run();
         let Some(&start) = run.first() else { continue };
