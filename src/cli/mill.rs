@@ -12,7 +12,8 @@ use crate::reach::DropCutter;
 use crate::simulate::{DryRun, DryRunOptions, Kind, PartContext, Stock, dry_run};
 use crate::toolpath::plan::{self, Plan};
 use crate::toolpath::{
-    ArcOptions, FitReport, Ground, LinkOptions, PlanOptions, Stage, Strategy, arcs, proof,
+    ArcOptions, DEFAULT_WALL_ANGLE, FILL_START, Figures, FitReport, Ground, LinkOptions, PlanOptions, RETRACT_WORTH,
+    Stage, Strategy, Toolpath, arcs, proof,
 };
 use crate::units::{MmPerMin, Rpm, Seconds};
 use crate::verify::{Deviation, dialect_of, verify};
@@ -35,16 +36,11 @@ pub struct MillArgs {
     #[allow(missing_docs)]
     pub tool: ToolArgs,
     /// How passes are spaced
-    #[arg(long, value_enum, default_value_t = StrategyName::IsoScallop)]
+    #[arg(long, value_enum, default_value_t = StrategyName::Auto)]
     pub strategy: StrategyName,
-    /// Direction of isoplanar passes, degrees from X
-    #[arg(
-        long,
-        default_value_t = 0.0,
-        allow_negative_numbers = true,
-        value_name = "DEGREES"
-    )]
-    pub angle: f64,
+    /// Direction of plane sections, degrees from X; a raster finds its own when left out, isoplanar features take 0
+    #[arg(long, allow_negative_numbers = true, value_name = "DEGREES")]
+    pub angle: Option<f64>,
     /// Machine: a name from `morsemill machines`, or a file
     #[arg(long, default_value = DEFAULT_MACHINE, value_name = "NAME|FILE")]
     pub machine: String,
@@ -79,6 +75,12 @@ pub struct MillArgs {
     /// Critical points whose heights differ less than this are noise, mm
     #[arg(long, allow_negative_numbers = true, value_name = "MM")]
     pub persistence: Option<f64>,
+    /// Ground steeper than this gets passes at constant height, degrees from the horizontal
+    #[arg(long, default_value_t = DEFAULT_WALL_ANGLE, allow_negative_numbers = true, value_name = "DEGREES")]
+    pub wall_angle: f64,
+    /// The tip goes no lower than this beside a closed solid, mm; the part's lowest point if left out
+    #[arg(long, allow_negative_numbers = true, value_name = "Z")]
+    pub floor: Option<f64>,
     /// Most memory that planning may take, MiB
     #[arg(long, default_value_t = 4096, value_name = "MIB")]
     pub memory: u64,
@@ -99,21 +101,30 @@ pub struct MillArgs {
 /// The strategies by name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum StrategyName {
+    /// The quickest of the others
+    Auto,
     /// Equal cusps everywhere
     IsoScallop,
     /// Equal distance on the part
     IsoPickFeed,
     /// Plane sections
     Isoplanar,
+    /// The whole part as one feature, equal cusps everywhere
+    Whole,
+    /// The whole part in plane sections
+    Raster,
 }
 
 impl StrategyName {
     /// With the angle of plane sections filled in.
-    pub fn with_angle(self, angle: f64) -> Strategy {
+    pub fn with_angle(self, angle: Option<f64>) -> Strategy {
         match self {
+            StrategyName::Auto => Strategy::Auto,
+            StrategyName::Whole => Strategy::Whole,
+            StrategyName::Raster => Strategy::Raster(angle),
             StrategyName::IsoScallop => Strategy::IsoScallop,
             StrategyName::IsoPickFeed => Strategy::IsoPickFeed,
-            StrategyName::Isoplanar => Strategy::Isoplanar(angle),
+            StrategyName::Isoplanar => Strategy::Isoplanar(angle.unwrap_or(0.0)),
         }
     }
 }
@@ -248,10 +259,22 @@ fn settle(a: &MillArgs) -> Result<Settings, Failure> {
     if let Some(p) = a.persistence {
         above_zero("--persistence", p, "mm")?;
     }
-    if !a.angle.is_finite() {
+    if let Some(angle) = a.angle
+        && !angle.is_finite()
+    {
         return Err(Failure::Failed(format!(
-            "--angle {}: must be a number of degrees",
-            a.angle
+            "--angle {angle}: must be a number of degrees"
+        )));
+    }
+    if !(30.0..=90.0).contains(&a.wall_angle) {
+        return Err(Failure::Failed(format!(
+            "--wall-angle {}: must be between 30 and 90 degrees from the horizontal",
+            a.wall_angle
+        )));
+    }
+    if let Some(z) = a.floor.filter(|z| !z.is_finite()) {
+        return Err(Failure::Failed(format!(
+            "--floor {z}: must be a height in mm"
         )));
     }
     let machine = Machine::load(&a.machine).map_err(Failure::failed)?;
@@ -288,6 +311,9 @@ fn settle(a: &MillArgs) -> Result<Settings, Failure> {
         grid_step: a.grid,
         persistence: a.persistence,
         memory_limit_bytes: a.memory.saturating_mul(1 << 20),
+        wall_angle: a.wall_angle,
+        floor: a.floor,
+        flute: a.tool.tool.flute_length(),
     };
     Ok(Settings {
         machine,
@@ -327,10 +353,7 @@ pub fn run(a: &MillArgs) -> Result<ExitCode, Failure> {
     let radius = a.tool.tool.radius;
     let mut progress = Progress::new();
     if a.arcs && !s.post.arcs {
-        say(&format!(
-            "note: --arcs: post {} has no arcs; the program will be of straight lines",
-            s.post.name
-        ));
+        say(&format!("note: --arcs: post {} has no arcs; the program will be of straight lines", s.post.name));
     }
     progress.stage("import", "reading the part");
     let (loaded, placement) = a.placing.load(&a.part)?;
@@ -359,8 +382,14 @@ pub fn run(a: &MillArgs) -> Result<ExitCode, Failure> {
     let ground =
         plan::survey(cutter, &s.plan, &mut announce, &mut stage).map_err(Failure::failed)?;
     let links = link_options(a, &s, &placement);
-    let (mut planned, reachable) =
-        plan::plan(&placement.mesh, &ground, &s.plan, &links, &mut stage);
+    let (mut planned, reachable) = plan::plan(
+        &placement.mesh,
+        &ground,
+        &s.plan,
+        &links,
+        &weigh_on(&s.machine, a.feed, a.plunge),
+        &mut stage,
+    );
     let mut progress = progress.into_inner();
 
     progress.stage("proof", "proving every segment");
@@ -410,7 +439,6 @@ pub fn run(a: &MillArgs) -> Result<ExitCode, Failure> {
             &pictures::Subject::new(&a.part, &placement, a.picture_width),
             &ground,
             &planned,
-            &reachable,
             &verdict,
             a.tool.scallop,
         )?;
@@ -447,7 +475,7 @@ pub fn run(a: &MillArgs) -> Result<ExitCode, Failure> {
         .problems
         .iter()
         .any(|p| !matches!(p.kind, Kind::Scallop | Kind::Uncut));
-    if !dangerous {
+    if !dangerous || std::env::var("MM_KEEP").is_ok() {
         write_whole(&a.output, posted.text.as_bytes())?;
     }
     to_stdout(|w| {
@@ -475,6 +503,12 @@ pub fn run(a: &MillArgs) -> Result<ExitCode, Failure> {
     })
 }
 
+/// The machine's own planner as a judge of toolpaths.
+fn weigh_on(machine: &Machine, feed: f64, plunge: f64) -> impl Fn(&Toolpath) -> Figures + Sync {
+    let settings = crate::kinematics::Settings::from(machine);
+    move |path| crate::weigh::weigh(path, &settings, MmPerMin(feed), MmPerMin(plunge))
+}
+
 fn link_options(a: &MillArgs, s: &Settings, placement: &Placement) -> LinkOptions {
     let m = &s.machine;
     let top = placement.mesh.bounds().max.z;
@@ -496,6 +530,7 @@ fn link_options(a: &MillArgs, s: &Settings, placement: &Placement) -> LinkOption
         clearance: CLEARANCE,
         block_center_z: block,
         safe_center_z: top + allowance + SAFE_ABOVE + a.tool.tool.radius,
+        retract_worth: RETRACT_WORTH,
     }
 }
 
@@ -526,7 +561,7 @@ fn job(a: &MillArgs, s: &Settings, placement: &Placement, ground: &Ground, plann
         },
         format!(
             "strategy {} scallop {} mm",
-            s.plan.strategy.name(),
+            planned.layout.name(),
             a.tool.scallop
         ),
         format!("machine {} post {}", s.machine.name, s.post.name),
@@ -541,7 +576,7 @@ fn job(a: &MillArgs, s: &Settings, placement: &Placement, ground: &Ground, plann
             "cusps planned at {:.1} um, grid step {:.3} mm, filled where over {:.1} um",
             planned.spaced_for * um,
             ground.grid.step,
-            plan::FILL_START * a.tool.scallop * um
+            FILL_START * a.tool.scallop * um
         ),
     ];
     Job {
@@ -584,12 +619,7 @@ fn mill_json<'a>(
         planned_memory_mib: planned_bytes >> 20,
         critical_points: show::critical_json(&ground.critical),
         features,
-        strategies: vec![StrategyJson {
-            name: s.plan.strategy.name(),
-            cut_mm: verdict.program.cut_mm,
-            time_s: verdict.time_s.total,
-            retracts: verdict.program.retracts,
-        }],
+        strategies: show::strategies(planned),
         fill: FillJson {
             rounds: planned.fill.rounds,
             passes: planned.fill.added,

@@ -4,6 +4,9 @@
 //! at the same place. On the border, by the extreme of a cubic fitted to the outline's heights along it.
 
 use super::critical::{CriticalKind, CriticalPoint};
+use super::field::GridField;
+use super::function::MorseFunction;
+use super::select::Chosen;
 use crate::geom::{Point, Vector, Vector2};
 use crate::reach::{Crossing, LINK, NodeKind, ToolCentreGrid};
 use nalgebra::{SMatrix, SVector};
@@ -14,21 +17,30 @@ const WINDOW: i32 = 6;
 /// may be at the rim of them.
 const DRIFT: f64 = 8.0;
 
+/// True where the border is no farther than one step.
+pub(super) fn is_beside_border(grid: &ToolCentreGrid, node: usize) -> bool {
+    LINK.iter().any(|d| {
+        grid.neighbour(node, *d)
+            .is_none_or(|j| grid.kind[j] != NodeKind::Ground)
+    })
+}
+
 pub(super) fn refined(
     grid: &ToolCentreGrid,
-    kind: CriticalKind,
-    node: usize,
+    field: &GridField,
+    chosen: &Chosen,
     boundary: bool,
-    persistence: f64,
 ) -> CriticalPoint {
+    let &Chosen {
+        kind,
+        node,
+        persistence,
+    } = chosen;
     // An extreme of the border may be won by the ground node beside it.
-    let beside = kind != CriticalKind::Saddle
-        && LINK.iter().any(|d| {
-            grid.neighbour(node, *d)
-                .is_none_or(|j| grid.kind[j] != NodeKind::Ground)
-        });
-    let boundary = boundary || beside;
-    let (center, contact) = if boundary {
+    let boundary = boundary || (kind != CriticalKind::Saddle && is_beside_border(grid, node));
+    let (center, contact) = if field.function != MorseFunction::Height {
+        elsewhere(grid, field, kind, node, boundary)
+    } else if boundary {
         on_border(grid, kind, node)
     } else {
         inside(grid, kind, node)
@@ -39,7 +51,119 @@ pub(super) fn refined(
         boundary,
         center,
         contact,
+        value: match field.function {
+            MorseFunction::Height => contact.z,
+            _ => field.value[node],
+        },
         persistence,
+    }
+}
+
+/// Half width, in steps, of the window a quadratic is fitted over for functions other than height, and the most it may lead away.
+const FLAT_WINDOW: i32 = 4;
+const FLAT_DRIFT: f64 = 3.0;
+
+/// The place of a critical point of any function: on the border its crossing, inside the level point of a quadratic fitted to the
+/// values round about, with the ball let down there between the nodes.
+fn elsewhere(
+    grid: &ToolCentreGrid,
+    field: &GridField,
+    kind: CriticalKind,
+    node: usize,
+    boundary: bool,
+) -> (Point, Point) {
+    let plain = (grid.center(node), grid.point[node]);
+    if boundary {
+        let q = grid.xy(node);
+        let d = |c: &Crossing| (c.contact.center.xy() - q).norm();
+        return grid
+            .crossings
+            .iter()
+            .map(|c| (d(c), c))
+            .reduce(|a, b| if b.0 < a.0 { b } else { a })
+            .filter(|_| grid.kind[node] != NodeKind::Ground)
+            .map_or(plain, |(_, c)| (c.contact.center, c.contact.point));
+    }
+    let w = FLAT_WINDOW as f64;
+    let mut fit = Quadric::default();
+    for dy in -FLAT_WINDOW..=FLAT_WINDOW {
+        for dx in -FLAT_WINDOW..=FLAT_WINDOW {
+            let (u, v) = (dx as f64 / w, dy as f64 / w);
+            let near = 1.0 - u * u - v * v;
+            if near > 0.0
+                && let Some(j) = grid
+                    .neighbour(node, (dx, dy))
+                    .filter(|&j| grid.kind[j] == NodeKind::Ground)
+            {
+                fit.take(u, v, near, field.value[j] - field.value[node]);
+            }
+        }
+    }
+    let Some((u, v, _, hesse)) = fit.level() else {
+        return plain;
+    };
+    let far = u.hypot(v) * w;
+    if !is_meant(kind, hesse) || far.is_nan() || far > FLAT_DRIFT {
+        return plain;
+    }
+    // Between the nodes about it, all of them ground.
+    let (x, y) = ((u * w).floor(), (v * w).floor());
+    let (fx, fy) = (u * w - x, v * w - y);
+    let mut center = Vector::zeros();
+    let mut contact = Vector::zeros();
+    for (dx, dy, share) in [
+        (0, 0, (1.0 - fx) * (1.0 - fy)),
+        (1, 0, fx * (1.0 - fy)),
+        (0, 1, (1.0 - fx) * fy),
+        (1, 1, fx * fy),
+    ] {
+        let Some(j) = grid
+            .neighbour(node, (x as i32 + dx, y as i32 + dy))
+            .filter(|&j| grid.kind[j] == NodeKind::Ground)
+        else {
+            return plain;
+        };
+        center += grid.center(j).coords * share;
+        contact += grid.point[j].coords * share;
+    }
+    (Point::from(center), Point::from(contact))
+}
+
+/// Whether second derivatives `[xx, xy, yy]` are those of such a point.
+fn is_meant(kind: CriticalKind, hesse: [f64; 3]) -> bool {
+    let flat = hesse[0] * hesse[2] - hesse[1] * hesse[1];
+    match kind {
+        CriticalKind::Saddle => flat < 0.0,
+        CriticalKind::Maximum => flat > 0.0 && hesse[0] < 0.0,
+        CriticalKind::Minimum => flat > 0.0 && hesse[0] > 0.0,
+    }
+}
+
+/// A quadratic in two coordinates, by weighted least squares.
+#[derive(Clone, Debug, Default)]
+struct Quadric {
+    ata: SMatrix<f64, 6, 6>,
+    atb: SVector<f64, 6>,
+}
+
+impl Quadric {
+    fn take(&mut self, u: f64, v: f64, weight: f64, value: f64) {
+        let row = SVector::<f64, 6>::from([1.0, u, v, u * u, u * v, v * v]);
+        self.ata += row * row.transpose() * weight;
+        self.atb += row * (weight * value);
+    }
+
+    /// Where it is level: the place, its value there, and its second derivatives `[xx, xy, yy]`.
+    fn level(&self) -> Option<(f64, f64, f64, [f64; 3])> {
+        let q = self.ata.cholesky()?.solve(&self.atb);
+        let det = 4.0 * q[3] * q[5] - q[4] * q[4];
+        let u = (-2.0 * q[5] * q[1] + q[4] * q[2]) / det;
+        let v = (-2.0 * q[3] * q[2] + q[4] * q[1]) / det;
+        if !(u.is_finite() && v.is_finite()) {
+            return None;
+        }
+        let rise = q[0] + q[1] * u + q[2] * v + q[3] * u * u + q[4] * u * v + q[5] * v * v;
+        Some((u, v, rise, [2.0 * q[3], q[4], 2.0 * q[5]]))
     }
 }
 
@@ -51,14 +175,8 @@ fn inside(grid: &ToolCentreGrid, kind: CriticalKind, node: usize) -> (Point, Poi
         let Some((c, hesse)) = level_point(grid, at) else {
             return plain;
         };
-        let flat = hesse[0] * hesse[2] - hesse[1] * hesse[1];
-        let as_meant = match kind {
-            CriticalKind::Saddle => flat < 0.0,
-            CriticalKind::Maximum => flat > 0.0 && hesse[0] < 0.0,
-            CriticalKind::Minimum => flat > 0.0 && hesse[0] > 0.0,
-        };
         let far = (c.xy() - start).norm();
-        if !as_meant || far.is_nan() || far > DRIFT * grid.step {
+        if !is_meant(kind, hesse) || far.is_nan() || far > DRIFT * grid.step {
             return plain;
         }
         let here = grid.xy(at);
@@ -85,8 +203,7 @@ fn level_point(grid: &ToolCentreGrid, node: usize) -> Option<(Point, [f64; 3])> 
     if grid.kind[node] != NodeKind::Ground {
         return None;
     }
-    let mut ata = SMatrix::<f64, 6, 6>::zeros();
-    let mut atb = SVector::<f64, 6>::zeros();
+    let mut fit = Quadric::default();
     let w = WINDOW as f64;
     let (mut used, mut wanted) = (0, 0);
     for dy in -WINDOW..=WINDOW {
@@ -104,26 +221,16 @@ fn level_point(grid: &ToolCentreGrid, node: usize) -> Option<(Point, [f64; 3])> 
                 continue;
             };
             used += 1;
-            let row = SVector::<f64, 6>::from([1.0, u, v, u * u, u * v, v * v]);
-            let weight = near * near;
-            ata += row * row.transpose() * weight;
-            atb += row * (weight * (grid.center_z[j] - here.z));
+            fit.take(u, v, near * near, grid.center_z[j] - here.z);
         }
     }
     if 3 * used < 2 * wanted {
         return None;
     }
-    let q = ata.cholesky()?.solve(&atb);
-    let det = 4.0 * q[3] * q[5] - q[4] * q[4];
-    let u = (-2.0 * q[5] * q[1] + q[4] * q[2]) / det;
-    let v = (-2.0 * q[3] * q[2] + q[4] * q[1]) / det;
-    if !(u.is_finite() && v.is_finite()) {
-        return None;
-    }
-    let rise = q[0] + q[1] * u + q[2] * v + q[3] * u * u + q[4] * u * v + q[5] * v * v;
+    let (u, v, rise, hesse) = fit.level()?;
     let scale = w * grid.step;
     let c = Point::new(here.x + u * scale, here.y + v * scale, here.z + rise);
-    Some((c, [2.0 * q[3], q[4], 2.0 * q[5]]))
+    Some((c, hesse))
 }
 
 /// How far along the border a cubic is fitted, in steps: two to three stepovers to either side.

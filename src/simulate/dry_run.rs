@@ -1,6 +1,8 @@
 //! One call: text in, verdict out.
 
-use super::report::{DryRun, Extents, Kind, Problem, ProgramFigures, TimeFigures, Verdict};
+use super::report::{
+    DryRun, Extents, Kind, MotionFigures, Problem, ProgramFigures, TimeFigures, Verdict,
+};
 use super::start::Read;
 use super::{gouge, limits, material, start};
 use crate::gcode::{Dialect, Event};
@@ -9,7 +11,8 @@ use crate::kinematics::{Feed, Settings, Times, link_demand, program_time};
 use crate::machine::Machine;
 use crate::part::Mesh;
 use crate::reach::DropCutter;
-use crate::sweep::{CuspMap, FinishOptions, FinishStats, Reachable, finish};
+use crate::sweep::tiles::area;
+use crate::sweep::{CuspMap, FinishOptions, FinishStats, Paths, ReachTiles, Segment, finish_tiles};
 
 /// The part as it lies in work coordinates, made ready for one ball.
 #[derive(Clone, Copy, Debug)]
@@ -19,7 +22,7 @@ pub struct PartContext<'a> {
     /// The ball over them; its radius is the tool's.
     pub drop: &'a DropCutter,
     /// What it can reach; its lattice is where cusps are judged (see [`judging_step`]).
-    pub reachable: &'a Reachable,
+    pub reachable: &'a ReachTiles<'a>,
 }
 
 /// What stands on the table before the first move.
@@ -68,11 +71,10 @@ impl DryRunOptions {
     }
 }
 
-/// Cells this part is judged on at most (about 50 bytes each).
-const CELLS: f64 = 4e6;
+/// Cells a part is judged on at most: beyond it nobody would wait.
+const CELLS: f64 = 1e9;
 
-/// A lattice step fine enough to see the cusps of this height that this ball leaves: a fourteenth of the stepover on the flat, or
-/// what four million cells allow on a large part. mm.
+/// A lattice step fine enough to see the cusps of this height that this ball leaves: a fourteenth of the stepover on the flat. mm.
 pub fn judging_step(bounds: &Box3, radius: f64, scallop: f64) -> f64 {
     let h = scallop.clamp(0.0, radius);
     let stepover = 2.0 * (2.0 * h * radius - h * h).max(0.0).sqrt();
@@ -98,6 +100,7 @@ pub fn dry_run(
             ..ProgramFigures::default()
         },
         time_s: TimeFigures::default(),
+        motion: MotionFigures::default(),
         link_demand: None,
         extents: Extents::default(),
         finish: None,
@@ -150,6 +153,7 @@ fn run(
         dwell: times.dwell.0,
         idle: times.idle.0,
     };
+    report.motion = MotionFigures::from(&times.motion);
 
     let radius = part.map_or(0.0, |p| p.drop.radius());
     let (moves, figures) = material::moves(&program.events, radius);
@@ -237,11 +241,29 @@ fn judge(
     report: &mut DryRun,
 ) {
     let radius = part.drop.radius();
-    let cut = {
-        let stock = material::stock(part, &options.stock);
-        material::cut(moves, part, &stock, options.collision_limit_mm)
-    };
-    for c in cut.collisions.iter().take(LISTED) {
+    let tiles = part.reachable;
+    let which = tiles.touched(moves.iter().map(|m| &m.segment));
+    let feed: Vec<Segment> = moves
+        .iter()
+        .filter(|m| !m.rapid)
+        .map(|m| m.segment)
+        .collect();
+    let paths = Paths::new(&feed, 0.25 * radius, area(tiles.lattice()));
+    drop(feed);
+    let (judged, collisions) = finish_tiles(
+        tiles,
+        &paths,
+        &FinishOptions::for_scallop(options.scallop_mm),
+        |k, reach| {
+            let stock = material::stock(part, reach, &options.stock);
+            let which = which.get(k).map_or(&[][..], Vec::as_slice);
+            let limit = options.collision_limit_mm;
+            material::cut(moves, which, reach.lattice, radius, &stock, limit)
+        },
+    );
+    drop(paths);
+    let collisions = material::deepest_per_line(collisions.into_iter().flatten().collect());
+    for c in collisions.iter().take(LISTED) {
         let p = c.encounter.place;
         report.problems.push(Problem {
             kind: Kind::Collision,
@@ -252,23 +274,14 @@ fn judge(
             ),
         });
     }
-    if cut.collisions.len() > LISTED {
+    if collisions.len() > LISTED {
         report.problems.push(Problem {
             kind: Kind::Collision,
             line: None,
-            text: format!(
-                "and {} more lines like these",
-                cut.collisions.len() - LISTED
-            ),
+            text: format!("and {} more lines like these", collisions.len() - LISTED),
         });
     }
 
-    let judged = finish(
-        part.reachable,
-        &cut.swept,
-        &cut.segments,
-        &FinishOptions::for_scallop(options.scallop_mm),
-    );
     let (map, mut stats): (CuspMap, FinishStats) = match judged {
         Ok(f) => (f.map, f.stats),
         Err(e) => {

@@ -48,6 +48,18 @@ impl Lattice {
         }
     }
 
+    /// The cells of some columns and rows as a lattice of their own; what lies beyond the rim is left out.
+    pub fn window(&self, columns: std::ops::Range<usize>, rows: std::ops::Range<usize>) -> Lattice {
+        let (x0, x1) = (columns.start.min(self.nx), columns.end.min(self.nx));
+        let (y0, y1) = (rows.start.min(self.ny), rows.end.min(self.ny));
+        Lattice {
+            origin: self.center(x0, y0),
+            step: self.step,
+            nx: x1.saturating_sub(x0),
+            ny: y1.saturating_sub(y0),
+        }
+    }
+
     /// Number of cells.
     #[inline]
     pub fn len(&self) -> usize {

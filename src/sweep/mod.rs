@@ -10,9 +10,13 @@ pub mod lattice;
 pub mod nearest;
 pub mod reachable;
 pub mod swept;
+pub mod tiles;
 
-pub use finish::{CuspMap, Finish, FinishError, FinishOptions, FinishStats, Percentiles, finish};
+pub use finish::{
+    CuspMap, Finish, FinishError, FinishOptions, FinishStats, Percentiles, finish, finish_tiles,
+};
 pub use lattice::Lattice;
 pub use nearest::Paths;
 pub use reachable::{Reachable, reachable, reachable_bytes};
 pub use swept::{Encounter, Segment, Swept};
+pub use tiles::{ReachTiles, Tile};

@@ -9,19 +9,33 @@
 //! ball's *centre*. Knows nothing of dialects; of the machine only the few speeds in [`LinkOptions`] that decide between two links.
 
 pub mod arcs;
+mod border;
+pub mod chain;
+mod corner;
 pub mod curve;
+mod detail;
+mod estimate;
+mod even;
 pub mod fill;
 pub mod fit;
+mod layout;
+mod lead;
 pub mod link;
 pub mod moves;
 pub mod order;
 pub mod pass;
+pub mod pencil;
 pub mod plan;
 mod skeleton;
+mod stroke;
+mod turn;
+pub mod wall;
 
 pub use arcs::{ArcOptions, arcs};
 pub use fit::{FitOptions, FitReport, proof};
-pub use link::LinkOptions;
+pub use detail::DEFAULT_WALL_ANGLE;
+pub use layout::{FILL_START, Layout, PLAN_SHARES, flat_stepover};
+pub use link::{LinkOptions, RETRACT_WORTH};
 pub use moves::{Move, MoveKind, Section, Toolpath, Turn};
-pub use pass::{Pass, PassKind};
-pub use plan::{Ground, Plan, PlanOptions, Stage, Strategy};
+pub use pass::{Pass, PassKind, PassOptions};
+pub use plan::{Candidate, Figures, Ground, Plan, PlanOptions, Stage, Strategy};

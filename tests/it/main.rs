@@ -8,6 +8,7 @@ mod feature;
 mod field;
 mod finish;
 mod fit;
+mod functions;
 mod morse;
 mod part;
 mod reach;

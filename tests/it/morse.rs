@@ -69,6 +69,7 @@ fn island(seed: u64, n: usize) -> (ToolCentreGrid, HeightField) {
         crossings: Vec::new(),
     };
     let field = HeightField {
+        function: morsemill::morse::MorseFunction::Height,
         value,
         active: vec![true; n * n],
         roughness: 0.0,
@@ -140,6 +141,9 @@ pub fn options(scallop: f64) -> PlanOptions {
         grid_step: None,
         persistence: None,
         memory_limit_bytes: 1 << 30,
+        wall_angle: 75.0,
+        floor: None,
+        flute: 20.0,
     }
 }
 

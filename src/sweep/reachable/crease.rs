@@ -1,11 +1,9 @@
 //! Balls that touch in two places: found between the nodes, where the lattice of single balls does not see them.
 
-use super::nodes::{Nodes, unit};
 use super::refine::Best;
 use crate::geom::{Point, Point2};
-use crate::reach::{Contact, DropCutter};
+use crate::reach::{Contact, DropCutter, Heights};
 use crate::sweep::Lattice;
-use rayon::prelude::*;
 
 /// A resting ball off the lattice, on a crease; `owner` is the node at one end of the lattice edge it was found on.
 pub(super) struct Extra {
@@ -14,44 +12,51 @@ pub(super) struct Extra {
 }
 
 /// Where a lattice edge crosses a crease, the two resting balls on either side of it.
-pub(super) fn creases(drop: &DropCutter, lattice: &Lattice, nodes: &Nodes) -> Vec<Extra> {
+pub(super) fn creases(drop: &DropCutter, lattice: &Lattice, nodes: &Heights) -> Vec<Extra> {
     // A turn of the normal by this much within a step, towards itself, leaves step * turn / 4 (0.6 um) unseen by the lattice.
     let turn = (0.0025 / lattice.step).clamp(0.01, 0.5);
     let (nx, ny) = (lattice.nx, lattice.ny);
     let z_of = |n: [f32; 2]| f64::from((1.0 - n[0] * n[0] - n[1] * n[1]).max(0.0)).sqrt();
-    let rows: Vec<Vec<Extra>> = (0..ny)
-        .into_par_iter()
-        .map(|iy| {
-            let mut out = Vec::new();
-            for ix in 0..nx {
-                let a = lattice.index(ix, iy);
-                for (jx, jy) in [(ix + 1, iy), (ix, iy + 1)] {
-                    if jx >= nx || jy >= ny {
-                        continue;
-                    }
-                    let b = lattice.index(jx, jy);
-                    let (za, zb) = (nodes.center_z[a], nodes.center_z[b]);
-                    if za == f64::NEG_INFINITY || zb == f64::NEG_INFINITY {
-                        continue;
-                    }
-                    let (na, nb) = (nodes.normal[a], nodes.normal[b]);
-                    let d = [
-                        f64::from(nb[0] - na[0]),
-                        f64::from(nb[1] - na[1]),
-                        z_of(nb) - z_of(na),
-                    ];
-                    let turned_sq = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
-                    let (dx, dy) = (lattice.x(jx) - lattice.x(ix), lattice.y(jy) - lattice.y(iy));
-                    let towards = d[0] * dx + d[1] * dy + d[2] * (zb - za) < 0.0;
-                    if turned_sq > turn * turn && towards {
-                        bisect(drop, lattice, a, [dx, dy], &mut out);
-                    }
+    let mut out = Vec::new();
+    for iy in 0..ny {
+        for ix in 0..nx {
+            let a = lattice.index(ix, iy);
+            for (jx, jy) in [(ix + 1, iy), (ix, iy + 1)] {
+                if jx >= nx || jy >= ny {
+                    continue;
+                }
+                let b = lattice.index(jx, jy);
+                let (za, zb) = (nodes.z[a], nodes.z[b]);
+                if za == f64::NEG_INFINITY || zb == f64::NEG_INFINITY {
+                    continue;
+                }
+                let (na, nb) = (nodes.normal[a], nodes.normal[b]);
+                let d = [
+                    f64::from(nb[0] - na[0]),
+                    f64::from(nb[1] - na[1]),
+                    z_of(nb) - z_of(na),
+                ];
+                let turned_sq = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+                let (dx, dy) = (lattice.x(jx) - lattice.x(ix), lattice.y(jy) - lattice.y(iy));
+                let towards = d[0] * dx + d[1] * dy + d[2] * (zb - za) < 0.0;
+                if turned_sq > turn * turn && towards {
+                    bisect(drop, lattice, a, [dx, dy], &mut out);
                 }
             }
-            out
-        })
-        .collect();
-    rows.into_iter().flatten().collect()
+        }
+    }
+    out
+}
+
+/// Unit vector from contact to centre.
+fn unit(c: &Contact) -> [f64; 3] {
+    let d = c.center - c.point;
+    let n = d.norm();
+    if n > 0.0 {
+        [d.x / n, d.y / n, d.z / n]
+    } else {
+        [0.0, 0.0, 1.0]
+    }
 }
 
 fn bisect(drop: &DropCutter, lattice: &Lattice, a: usize, d: [f64; 2], out: &mut Vec<Extra>) {

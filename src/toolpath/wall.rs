@@ -1,0 +1,710 @@
+//! Steep walls: passes at constant height, from the top of a wall to its foot.
+//!
+//! ```text
+//!      ___        o            the ball's side touches the wall at the height of its centre; one vertical stepover apart,
+//!         |   ( o )            sqrt(8 h R - 4 h^2), the cusps on an upright wall are h high
+//!         |  ( o )
+//!    _____|_( o )___           c(x, y) >= z on the wall's side of the path, < z on the other: found by bisection on the grid's
+//!                              edges, also where the height leaps
+//! ```
+//!
+//! Walls of closed solids reach below the outline, where the drop cutter finds only air: there the ball goes down to a floor, its
+//! tip no lower than that. The wall above a ball that goes deep is touched by the flutes: deeper than they are long is refused.
+//!
+//! Crosses the border: the grid and the part's triangles in, [`Pass`]es of ball centres and refusals out; work coordinates, mm.
+
+use super::fit::FitOptions;
+use super::pass::{Pass, PassKind};
+use crate::feature::Regions;
+use crate::field::{LevelCurve, level_curves};
+use crate::geom::{Point, Point2, Vector2};
+use crate::part::Mesh;
+use crate::reach::{Contact, Crease, DropCutter, Hint, NodeKind, ToolCentreGrid};
+use crate::sweep::buckets::Buckets;
+use rayon::prelude::*;
+
+/// How walls are cut.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WallOptions {
+    /// Ground steeper than this is a wall, radians from the horizontal.
+    pub angle: f64,
+    /// Distance of passes along an upright wall, mm.
+    pub stepover: f64,
+    /// The tip of the ball goes no lower than this beside a closed solid, mm.
+    pub floor: f64,
+    /// Length of the flutes from the tip, mm.
+    pub flute: f64,
+    /// Room kept to the wall, mm: chords stay within half of it.
+    pub off_wall: f64,
+}
+
+/// A wall that the flutes do not reach down.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TooDeep {
+    /// On the wall, at the foot of what would have to be cut.
+    pub place: Point,
+    /// Flutes it would take, mm.
+    pub needs: f64,
+}
+
+/// Which nodes stand on a wall, and what heights of the ball's centre that takes.
+#[derive(Clone, Debug)]
+pub struct Steep {
+    /// By node.
+    pub node: Vec<bool>,
+    range: [f64; 2],
+    options: WallOptions,
+}
+
+/// Centre height of air, for comparing: below everything.
+const AIR: f64 = -1e9;
+/// The ball rolls over a sharp edge where its contact moves less than this share of its centre's way.
+const ROLLING: f64 = 0.3;
+/// Triangles with a smaller vertical part of the normal are upright.
+const UPRIGHT: f64 = 0.02;
+/// A ball touches an upright wall when it is this near, mm.
+const TOUCH: f64 = 0.005;
+/// A longer fall over a bisected edge is a leap, mm.
+const LEAP: f64 = 0.01;
+const OWN: [(i32, i32); 3] = [(1, 0), (1, 1), (0, 1)];
+
+/// Finds the walls of a grid. Linear in the nodes.
+pub fn steep(grid: &ToolCentreGrid, part: &Uprights, options: &WallOptions) -> Steep {
+    let slope = options.angle.tan();
+    let bottom = options.floor + grid.radius;
+    let found: Vec<(usize, usize, f64, f64)> = (0..grid.len())
+        .into_par_iter()
+        .flat_map_iter(|i| {
+            OWN.into_iter().filter_map(move |d| {
+                let j = grid.neighbour(i, d)?;
+                let (a, b) = (grid.center(i), grid.center(j));
+                match (grid.kind[i], grid.kind[j]) {
+                    (NodeKind::Air, NodeKind::Air) => None,
+                    (NodeKind::Air, _) => part.outer(grid, j).then_some((i, j, bottom, b.z)),
+                    (_, NodeKind::Air) => part.outer(grid, i).then_some((i, j, bottom, a.z)),
+                    _ => {
+                        let c = b - a;
+                        let rolls = (grid.point[j] - grid.point[i]).norm() < ROLLING * c.norm();
+                        (c.z.abs() > slope * c.xy().norm() && !rolls).then_some((
+                            i,
+                            j,
+                            a.z.min(b.z),
+                            a.z.max(b.z),
+                        ))
+                    }
+                }
+            })
+        })
+        .collect();
+    let mut out = Steep {
+        node: vec![false; grid.len()],
+        range: [f64::INFINITY, f64::NEG_INFINITY],
+        options: *options,
+    };
+    for (i, j, lo, hi) in found {
+        if lo < hi {
+            out.node[i] = true;
+            out.node[j] = true;
+            out.range = [out.range[0].min(lo), out.range[1].max(hi)];
+        }
+    }
+    out
+}
+
+impl Steep {
+    /// Where a level curve of a feature runs along a wall for more than a stepover: the wall has passes of its own.
+    pub fn along(&self, grid: &ToolCentreGrid, curve: &LevelCurve) -> Vec<bool> {
+        let n = curve.at.len();
+        let mut out: Vec<bool> = curve
+            .at
+            .iter()
+            .map(|e| self.node[e.a as usize] && self.node[e.b as usize])
+            .collect();
+        if !out.contains(&true) {
+            return out;
+        }
+        let start = if curve.closed {
+            out.iter().position(|w| !w).unwrap_or(0)
+        } else {
+            0
+        };
+        let mut run: Vec<usize> = Vec::new();
+        let mut length = 0.0;
+        for k in 0..=n {
+            let i = (start + k) % n;
+            if k < n && out[i] {
+                if let Some(&last) = run.last() {
+                    length += (curve.at[i].xy(grid) - curve.at[last].xy(grid)).norm();
+                }
+                run.push(i);
+            } else {
+                if length < self.options.stepover {
+                    run.iter().for_each(|&i| out[i] = false);
+                }
+                run.clear();
+                length = 0.0;
+            }
+        }
+        out
+    }
+}
+
+/// The upright triangles of a part, sorted in plan.
+pub struct Uprights<'a> {
+    mesh: &'a Mesh,
+    index: Vec<u32>,
+    buckets: Buckets,
+    radius: f64,
+}
+
+impl<'a> Uprights<'a> {
+    /// Sorts the upright triangles for a ball of this radius, mm.
+    pub fn new(mesh: &'a Mesh, radius: f64) -> Uprights<'a> {
+        let index: Vec<u32> = mesh
+            .triangles
+            .iter()
+            .enumerate()
+            .filter(|(_, t)| {
+                let n = Mesh::doubled_area_vector(t);
+                let l = n.norm();
+                l > 0.0 && n.z.abs() < UPRIGHT * l
+            })
+            .map(|(i, _)| i as u32)
+            .collect();
+        let b = mesh.bounds();
+        let buckets = Buckets::new(
+            b.min.xy(),
+            b.max.xy(),
+            0.5 * radius,
+            index.len(),
+            |b, i, put| {
+                let t = &mesh.triangles[index[i] as usize];
+                let (lo, hi) = (t[0].inf(&t[1]).inf(&t[2]), t[0].sup(&t[1]).sup(&t[2]));
+                for by in b.rows(lo.y, hi.y) {
+                    for bx in b.columns(lo.x, hi.x) {
+                        put(by * b.nx + bx);
+                    }
+                }
+            },
+        );
+        Uprights {
+            mesh,
+            index,
+            buckets,
+            radius,
+        }
+    }
+
+    /// Nearest upright wall to a place, in the plane at this height; `+inf` beyond a radius or so.
+    fn distance(&self, q: &Point2, z: f64, within: f64) -> f64 {
+        let mut best = f64::INFINITY;
+        if self.index.is_empty() {
+            return best;
+        }
+        let b = &self.buckets;
+        for by in b.rows(q.y - within, q.y + within) {
+            for bx in b.columns(q.x - within, q.x + within) {
+                for &k in b.of(by * b.nx + bx) {
+                    let t = &self.mesh.triangles[self.index[k as usize] as usize];
+                    best = best.min(section_distance(t, q, z));
+                }
+            }
+        }
+        best
+    }
+
+    /// Does a wall go down from the outline that this node's ball rolls round?
+    fn outer(&self, grid: &ToolCentreGrid, node: usize) -> bool {
+        let p = grid.point[node];
+        self.distance(&p.xy(), p.z - 0.02 * self.radius, 0.1 * self.radius) < 2.0 * TOUCH
+    }
+}
+
+/// Distance in plan from q to the cut of a triangle at height z; `+inf` when it is not cut there.
+fn section_distance(t: &[Point; 3], q: &Point2, z: f64) -> f64 {
+    let mut ends: [Option<Point2>; 2] = [None; 2];
+    for k in 0..3 {
+        let (a, b) = (&t[k], &t[(k + 1) % 3]);
+        if (a.z > z) != (b.z > z) {
+            let p = a.xy() + (b.xy() - a.xy()) * ((z - a.z) / (b.z - a.z));
+            if ends[0].is_none() {
+                ends[0] = Some(p);
+            } else {
+                ends[1] = Some(p);
+            }
+        }
+    }
+    let [Some(a), Some(b)] = ends else {
+        return f64::INFINITY;
+    };
+    let e = b - a;
+    let l = e.norm_squared();
+    let s = if l > 0.0 {
+        ((q - a).dot(&e) / l).clamp(0.0, 1.0)
+    } else {
+        0.0
+    };
+    (a + e * s - q).norm()
+}
+
+/// A place where a height is crossed: on the low side of it.
+#[derive(Clone, Copy)]
+struct Cross {
+    at: Point2,
+    /// Towards lower ground, unit length.
+    out: Vector2,
+    z: f64,
+}
+
+/// Constant-height passes down all walls, and one along the top of each upright one. Neighbours are joined where a straight step
+/// from one to the next is free. All cores; the order does not depend on them.
+pub fn walls(
+    grid: &ToolCentreGrid,
+    cutter: &DropCutter,
+    regions: &Regions,
+    part: &Uprights,
+    steep: &Steep,
+    leaps: &[Crease],
+    fitting: &FitOptions,
+) -> (Vec<Pass>, Vec<TooDeep>) {
+    let o = &steep.options;
+    let [lo, hi] = steep.range;
+    if lo >= hi {
+        return (Vec::new(), Vec::new());
+    }
+    // From the floor of a closed solid up; elsewhere the foot of a wall has a pass of its own.
+    let base = o.floor + grid.radius;
+    let first = ((lo - base) / o.stepover).ceil() as i64;
+    let last = ((hi - base) / o.stepover).floor() as i64;
+    let levels: Vec<f64> = (first..=last)
+        .map(|k| base + k as f64 * o.stepover)
+        .collect();
+    let value = |n: usize| grid.center_z[n].max(AIR);
+    let mut too_deep = Vec::new();
+    let mut by_level: Vec<Vec<(Vec<Cross>, bool)>> = vec![Vec::new(); levels.len() + 1];
+    let curves = level_curves(grid, &value, &levels);
+    let found: Vec<(usize, Runs)> = curves
+        .par_iter()
+        .map(|c| {
+            let edges: Vec<(u32, u32)> = c.at.iter().map(|e| (e.a, e.b)).collect();
+            let runs = crossings(
+                grid,
+                cutter,
+                part,
+                steep,
+                &edges,
+                c.closed,
+                Some(levels[c.level]),
+            );
+            (c.level, runs)
+        })
+        .collect();
+    for (level, runs) in found {
+        too_deep.extend(runs.too_deep);
+        by_level[levels.len() - 1 - level + 1].extend(runs.runs);
+    }
+    // The tops of upright walls, as one more level above all others.
+    for runs in tops(grid, cutter, part, steep, leaps) {
+        by_level[0].extend(runs.runs);
+    }
+    let fitted: Vec<Vec<(Vec<Point>, bool)>> = by_level
+        .into_par_iter()
+        .map(|runs| {
+            runs.into_iter()
+                .flat_map(|(run, closed)| laid_at_height(cutter, &run, closed, o, fitting))
+                .collect()
+        })
+        .collect();
+    (stacked(cutter, grid, regions, fitted, o, fitting), too_deep)
+}
+
+#[derive(Default)]
+struct Runs {
+    runs: Vec<(Vec<Cross>, bool)>,
+    too_deep: Option<TooDeep>,
+}
+
+/// The runs of a curve, given by the edges it crosses, that lie on a wall, each crossing closed in on. At `level`, or (with `None`)
+/// at the upper rim of a leap.
+fn crossings(
+    grid: &ToolCentreGrid,
+    cutter: &DropCutter,
+    part: &Uprights,
+    steep: &Steep,
+    edges: &[(u32, u32)],
+    closed: bool,
+    level: Option<f64>,
+) -> Runs {
+    let mut too_deep: Option<TooDeep> = None;
+    let mut hint = Hint::default();
+    let found: Vec<Option<Cross>> = edges
+        .iter()
+        .map(|&(a, b)| {
+            let (a, b) = (a as usize, b as usize);
+            if !steep.node[a] && !steep.node[b] {
+                return None;
+            }
+            let (low, high) = if grid.center_z[a] < grid.center_z[b] {
+                (a, b)
+            } else {
+                (b, a)
+            };
+            let z = match level {
+                Some(z) => z,
+                // Half way up the leap.
+                None => 0.5 * (grid.center_z[low].max(steep.options.floor) + grid.center_z[high]),
+            };
+            let (at, below, above) = between(cutter, &grid.xy(low), &grid.xy(high), z, &mut hint)?;
+            let way = grid.xy(low) - grid.xy(high);
+            let out = way / way.norm().max(1e-300);
+            let leap = below.is_none_or(|c| c.center.z < z - LEAP);
+            let z = match level {
+                Some(z) => z,
+                None if leap => above.center.z - LEAP,
+                None => return None,
+            };
+            if leap {
+                if (part.distance(&at, z, 1.1 * grid.radius) - grid.radius).abs() > TOUCH {
+                    return None;
+                }
+                let needs = above.point.z - (z - grid.radius);
+                if needs > steep.options.flute {
+                    if too_deep.is_none_or(|t| needs > t.needs) {
+                        let p = at - out * grid.radius;
+                        too_deep = Some(TooDeep {
+                            place: Point::new(p.x, p.y, z),
+                            needs,
+                        });
+                    }
+                    return None;
+                }
+            }
+            if !leap && !is_wall(cutter, &at, &out, steep, &mut hint) {
+                return None;
+            }
+            Some(Cross { at, out, z })
+        })
+        .collect();
+    Runs {
+        runs: split(&found, closed),
+        too_deep,
+    }
+}
+
+/// Is the ground the ball touches here steep, and not merely an edge it rolls over?
+fn is_wall(
+    cutter: &DropCutter,
+    at: &Point2,
+    out: &Vector2,
+    steep: &Steep,
+    hint: &mut Hint,
+) -> bool {
+    let side = 0.01 * cutter.radius();
+    let q = at + out * side;
+    let (Some(a), Some(b)) = (
+        cutter.drop_near(at.x, at.y, hint),
+        cutter.drop_near(q.x, q.y, hint),
+    ) else {
+        return false;
+    };
+    let rolls = (b.point - a.point).norm() < ROLLING * (b.center - a.center).norm();
+    !rolls && a.normal_z() < (0.9 * steep.options.angle).cos()
+}
+
+/// Closes in on the height z between a low and a high place: where on the low side, and the balls on either side. `None` unless z
+/// lies between.
+fn between(
+    cutter: &DropCutter,
+    low: &Point2,
+    high: &Point2,
+    z: f64,
+    hint: &mut Hint,
+) -> Option<(Point2, Option<Contact>, Contact)> {
+    let mut above = cutter
+        .drop_near(high.x, high.y, hint)
+        .filter(|c| c.center.z >= z)?;
+    let mut below = cutter.drop_near(low.x, low.y, hint);
+    if below.is_some_and(|c| c.center.z >= z) {
+        return None;
+    }
+    let (mut lo, mut hi) = (0.0, 1.0);
+    for _ in 0..16 {
+        let t = 0.5 * (lo + hi);
+        let q = low + (high - low) * t;
+        match cutter.drop_near(q.x, q.y, hint) {
+            Some(c) if c.center.z >= z => {
+                above = c;
+                hi = t;
+            }
+            c => {
+                below = c;
+                lo = t;
+            }
+        }
+    }
+    Some((low + (high - low) * lo, below, above))
+}
+
+/// Unbroken runs of what was found.
+fn split(found: &[Option<Cross>], closed: bool) -> Vec<(Vec<Cross>, bool)> {
+    let n = found.len();
+    if found.iter().all(Option::is_some) {
+        return vec![(found.iter().flatten().copied().collect(), closed)];
+    }
+    let start = if closed {
+        found.iter().position(Option::is_none).unwrap_or(0)
+    } else {
+        0
+    };
+    let mut out = Vec::new();
+    let mut run = Vec::new();
+    for k in 0..n {
+        match found[(start + k) % n] {
+            Some(c) => run.push(c),
+            None => out.push((std::mem::take(&mut run), false)),
+        }
+    }
+    out.push((run, false));
+    out.retain(|r| r.0.len() > 1);
+    out
+}
+
+/// The upper rims of upright walls: of leaps inside the ground, and of the outline of closed solids.
+fn tops(
+    grid: &ToolCentreGrid,
+    cutter: &DropCutter,
+    part: &Uprights,
+    steep: &Steep,
+    leaps: &[Crease],
+) -> Vec<Runs> {
+    let value = |n: usize| {
+        if grid.kind[n] == NodeKind::Air {
+            0.0
+        } else {
+            1.0
+        }
+    };
+    let mut out: Vec<Runs> = level_curves(grid, &value, &[0.5])
+        .par_iter()
+        .map(|c| {
+            let edges: Vec<(u32, u32)> = c.at.iter().map(|e| (e.a, e.b)).collect();
+            crossings(grid, cutter, part, steep, &edges, c.closed, None)
+        })
+        .collect();
+    for c in leaps {
+        let found: Vec<Option<Cross>> = c
+            .points
+            .iter()
+            .map(|p| {
+                let z = p.center.z + p.rise - LEAP;
+                let tall = p.rise > 0.5 * steep.options.stepover;
+                let touches = || {
+                    (part.distance(&p.center.xy(), z, 1.1 * grid.radius) - grid.radius).abs()
+                        < TOUCH
+                };
+                (tall && touches()).then_some(Cross {
+                    at: p.center.xy(),
+                    out: p.out,
+                    z,
+                })
+            })
+            .collect();
+        out.push(Runs {
+            runs: split(&found, c.closed),
+            too_deep: None,
+        });
+    }
+    out
+}
+
+/// A run moved off its wall and thinned out to what the tolerance needs; proven free along every chord, split where it is not.
+fn laid_at_height(
+    cutter: &DropCutter,
+    run: &[Cross],
+    closed: bool,
+    o: &WallOptions,
+    fitting: &FitOptions,
+) -> Vec<(Vec<Point>, bool)> {
+    let at: Vec<(Point2, Vector2)> = run.iter().map(|c| (c.at, c.out)).collect();
+    let mut dense: Vec<Point> = moved_out(&at, closed, o.off_wall)
+        .into_iter()
+        .zip(run)
+        .map(|(q, c)| Point::new(q.x, q.y, c.z))
+        .collect();
+    dense.dedup_by(|a, b| (*a - *b).norm() < 1e-4);
+    if closed && let Some(first) = dense.first().copied() {
+        dense.push(first);
+    }
+    let length: f64 = dense.windows(2).map(|w| (w[1] - w[0]).norm()).sum();
+    if length < 0.5 * o.stepover || dense.len() < 2 {
+        return Vec::new();
+    }
+    let mut hint = Hint::default();
+    let mut runs: Vec<Vec<Point>> = vec![vec![dense[0]]];
+    let mut i = 0;
+    while i + 1 < dense.len() {
+        let mut j = i + 1;
+        while j + 1 < dense.len() && holds(&dense[i..=j + 1], 0.5 * o.off_wall, fitting.longest) {
+            j += 1;
+        }
+        while j > i + 1 && !free(cutter, &dense[i], &dense[j], fitting.probe, &mut hint) {
+            j = i + (j - i) / 2;
+        }
+        if !free(cutter, &dense[i], &dense[j], fitting.probe, &mut hint) {
+            runs.push(Vec::new());
+        }
+        if let Some(last) = runs.last_mut() {
+            last.push(dense[j]);
+        }
+        i = j;
+    }
+    let whole = closed && runs.len() == 1 && runs[0].len() > 3;
+    if whole {
+        runs[0].pop();
+    }
+    runs.retain(|r| r.len() > 1);
+    runs.into_iter().map(|r| (r, whole)).collect()
+}
+
+/// Each point moved away from the wall, corners to where the two lines moved out meet.
+pub(super) fn moved_out(at: &[(Point2, Vector2)], closed: bool, off: f64) -> Vec<Point2> {
+    let n = at.len();
+    // Across each piece from one place to the next, away from the wall.
+    let across = |k: usize| -> Option<Vector2> {
+        let l = (k + 1) % n;
+        let d = at[l].0 - at[k].0;
+        let length = d.norm();
+        if length <= 0.0 {
+            return None;
+        }
+        let side = Vector2::new(-d.y, d.x) / length;
+        let out = at[k].1 + at[l].1;
+        Some(if side.dot(&out) < 0.0 { -side } else { side })
+    };
+    (0..n)
+        .map(|k| {
+            let before = (closed || k > 0).then(|| across((k + n - 1) % n)).flatten();
+            let after = (closed || k + 1 < n).then(|| across(k)).flatten();
+            let way = match (before, after) {
+                (Some(u), Some(v)) => (u + v) / (1.0 + u.dot(&v)).max(0.3),
+                (Some(u), None) | (None, Some(u)) => u,
+                (None, None) => at[k].1,
+            };
+            at[k].0 + way * off
+        })
+        .collect()
+}
+
+/// Do the points between stay this near to the chord?
+fn holds(points: &[Point], tolerance: f64, longest: f64) -> bool {
+    let (a, b) = (points[0], points[points.len() - 1]);
+    let e = b - a;
+    let l2 = e.norm_squared();
+    if l2 > longest * longest {
+        return false;
+    }
+    points[1..points.len() - 1].iter().all(|p| {
+        let s = if l2 > 0.0 {
+            ((p - a).dot(&e) / l2).clamp(0.0, 1.0)
+        } else {
+            0.0
+        };
+        (a + e * s - p).norm() <= tolerance
+    })
+}
+
+/// Does the ball enter the part nowhere along a chord? Asked `probe` mm apart.
+fn free(cutter: &DropCutter, a: &Point, b: &Point, probe: f64, hint: &mut Hint) -> bool {
+    let n = ((b - a).norm() / probe).ceil().max(1.0) as usize;
+    (0..=n).all(|k| {
+        let q = a + (b - a) * (k as f64 / n as f64);
+        cutter
+            .drop_near(q.x, q.y, hint)
+            .is_none_or(|c| (c.center.z - q.z) * c.normal_z() <= 1e-3)
+    })
+}
+
+/// One wall on its way down.
+struct Stack {
+    points: Vec<Point>,
+    /// Level of the last run.
+    level: usize,
+}
+
+/// Joins the runs of each level to those of the level above where the step down is free.
+fn stacked(
+    cutter: &DropCutter,
+    grid: &ToolCentreGrid,
+    regions: &Regions,
+    levels: Vec<Vec<(Vec<Point>, bool)>>,
+    o: &WallOptions,
+    fitting: &FitOptions,
+) -> Vec<Pass> {
+    let mut stacks: Vec<Stack> = Vec::new();
+    let mut hint = Hint::default();
+    for (level, runs) in levels.into_iter().enumerate() {
+        for (mut run, closed) in runs {
+            // The nearest end of a wall that came down to here.
+            let mut best: Option<(f64, usize, usize)> = None;
+            for (s, stack) in stacks.iter().enumerate() {
+                let Some(end) = stack.points.last() else {
+                    continue;
+                };
+                // The first level is a rim of any height.
+                if stack.level + 1 < level && stack.level > 0 {
+                    continue;
+                }
+                let n = run.len();
+                let entries: &mut dyn Iterator<Item = usize> = if closed {
+                    &mut (0..n)
+                } else {
+                    &mut [0, n - 1].into_iter()
+                };
+                for k in entries {
+                    let d = (run[k] - end).norm();
+                    if d < 1.6 * o.stepover && best.is_none_or(|b| d < b.0) {
+                        best = Some((d, s, k));
+                    }
+                }
+            }
+            if let Some((_, s, k)) = best {
+                if closed {
+                    run.rotate_left(k);
+                } else if k > 0 {
+                    run.reverse();
+                }
+                let step = stacks[s]
+                    .points
+                    .last()
+                    .is_some_and(|end| free(cutter, end, &run[0], 0.5 * fitting.probe, &mut hint));
+                if step {
+                    if closed {
+                        run.push(run[0]);
+                    }
+                    stacks[s].points.extend(run);
+                    stacks[s].level = level;
+                    continue;
+                }
+            }
+            if closed {
+                run.push(run[0]);
+            }
+            stacks.push(Stack { points: run, level });
+        }
+    }
+    stacks
+        .into_iter()
+        .map(|s| Pass {
+            kind: PassKind::Wall,
+            feature: s
+                .points
+                .first()
+                .and_then(|p| grid.nearest(p.x, p.y))
+                .map(|n| regions.label[n])
+                .filter(|l| *l > 0)
+                .map(|l| l as usize - 1),
+            points: s.points,
+            closed: false,
+        })
+        .collect()
+}
