@@ -7,8 +7,8 @@
 //! crawl, standing somewhere else), so what it does not set itself shows as a difference.
 
 use crate::gcode::{
-    Arc, Dialect, Distance, Event, FeedMode, Motion, MotionKind, MotionMode, PathMode, Plane, State,
-    interpret_from,
+    Arc, Dialect, Distance, Event, FeedMode, Motion, MotionKind, MotionMode, PathMode, Plane,
+    State, interpret_from,
 };
 use crate::geom::Point;
 use crate::post::{Coolant, Job, Post, Posted};
@@ -382,18 +382,18 @@ impl Witness<'_> {
             (Some(_), None) => false,
         };
         let in_work = !m.inverse_time && !m.machine_coordinates;
-        if m.kind != meant.kind
-            || !in_work
-            || !shape_ok
-            || !self.near(&m.to, &meant.to)
-            || !feed_ok
+        if m.kind != meant.kind || !in_work || !shape_ok || !self.near(&m.to, &meant.to) || !feed_ok
         {
             let feed = match meant.kind {
                 MotionKind::Rapid => String::new(),
                 MotionKind::Feed => format!(" at {} mm/min", meant.feed.0),
             };
             let arc = meant.turn.map_or_else(String::new, |(t, _)| {
-                let way = if t.clockwise { "clockwise" } else { "counter-clockwise" };
+                let way = if t.clockwise {
+                    "clockwise"
+                } else {
+                    "counter-clockwise"
+                };
                 format!(" {way} about X{} Y{}", t.center.x, t.center.y)
             });
             let wanted = format!("{:?} to {}{arc}{feed}", meant.kind, show(&meant.to));
@@ -522,7 +522,11 @@ fn say(m: &Motion) -> String {
         MotionKind::Feed => format!(" at {} mm/min", m.feed.0),
     };
     let arc = m.arc.map_or_else(String::new, |a| {
-        let way = if a.clockwise { "clockwise" } else { "counter-clockwise" };
+        let way = if a.clockwise {
+            "clockwise"
+        } else {
+            "counter-clockwise"
+        };
         format!(" by an arc, {way} about X{} Y{}", a.center.x, a.center.y)
     });
     format!("a {:?} to {}{feed}{arc}", m.kind, show(&m.to))

@@ -128,7 +128,9 @@ fn busiest_bytes(lines: &[Line], feed: &Feed) -> f64 {
             .take(feed.blocks.max(1))
             .map(|l| l.bytes)
             .sum();
-        while end < lines.len() && (end < i + feed.blocks.max(1) || bytes <= planned + feed.rx_bytes) {
+        while end < lines.len()
+            && (end < i + feed.blocks.max(1) || bytes <= planned + feed.rx_bytes)
+        {
             bytes += lines[end].bytes;
             time += lines[end].time;
             end += 1;
@@ -217,13 +219,19 @@ mod tests {
         };
         assert_eq!(run(15).starved_s, 0.0);
         let d = run(400);
-        assert!(d.starved_s > 0.2 && d.bytes_per_s_needed > 11_520.0, "{d:?}");
+        assert!(
+            d.starved_s > 0.2 && d.bytes_per_s_needed > 11_520.0,
+            "{d:?}"
+        );
     }
 
     #[test]
     fn nothing_needs_nothing() {
         let d = link_demand(std::iter::empty(), &[], &feed(11_520.0));
-        assert_eq!((d.lines_per_s_max, d.bytes_per_s_needed, d.starved_s), (0.0, 0.0, 0.0));
+        assert_eq!(
+            (d.lines_per_s_max, d.bytes_per_s_needed, d.starved_s),
+            (0.0, 0.0, 0.0)
+        );
         // Comments take the way of the line behind them.
         let d = link_demand([60, 20].into_iter(), &[0.0, 2.0], &feed(11_520.0));
         assert_eq!((d.lines_per_s_max, d.bytes_per_s_needed), (1.0, 40.0));

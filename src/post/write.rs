@@ -118,7 +118,9 @@ pub enum PostError {
         post: String,
     },
     /// An arc where the dialect has none.
-    #[error("move {index} is an arc and post {post} has none (arcs = false): make the path of straight lines only")]
+    #[error(
+        "move {index} is an arc and post {post} has none (arcs = false): make the path of straight lines only"
+    )]
     NoArcs {
         /// Index into [`Toolpath::moves`].
         index: usize,
@@ -444,7 +446,9 @@ impl<'a> Pen<'a> {
         };
         let flat = |p: Point2| Point::new(p.x, p.y, 0.0);
         if (written.sweep(&flat(start), &flat(end)) - meant).abs() > std::f64::consts::PI {
-            return Err(refuse("a sliver of it becomes a whole turn, or the other way round"));
+            return Err(refuse(
+                "a sliver of it becomes a whole turn, or the other way round",
+            ));
         }
         Ok(Some(Bow {
             clockwise: turn.clockwise,

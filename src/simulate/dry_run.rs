@@ -187,7 +187,7 @@ const STARVED: f64 = 0.01;
 /// Lines per second that an 8-bit GRBL board reads, at least.
 const SLOW_BOARD_LINES: f64 = 200.0;
 /// Receive buffers up to this belong to such boards, bytes.
-const SLOW_BOARD_RX: u32 = 256;
+const SLOW_BOARD_RX: usize = 256;
 
 /// Compares what the program needs of the link with what the link gives.
 fn feeding(text: &str, seconds: &[f64], machine: &Machine, report: &mut DryRun) {
@@ -197,7 +197,7 @@ fn feeding(text: &str, seconds: &[f64], machine: &Machine, report: &mut DryRun) 
     let feed = Feed {
         // Eight bits, a start and a stop.
         bytes_per_s: f64::from(machine.baud) / 10.0,
-        rx_bytes: machine.rx_buffer as usize,
+        rx_bytes: machine.rx_buffer,
         blocks: machine.planner_blocks,
     };
     let demand = link_demand(
@@ -222,7 +222,7 @@ fn feeding(text: &str, seconds: &[f64], machine: &Machine, report: &mut DryRun) 
             demand.bytes_per_s_needed,
             demand.bytes_per_s_link
         ));
-    } else if demand.lines_per_s_p99 > SLOW_BOARD_LINES && machine.rx_buffer as u32 <= SLOW_BOARD_RX {
+    } else if demand.lines_per_s_p99 > SLOW_BOARD_LINES && machine.rx_buffer <= SLOW_BOARD_RX {
         say(format!(
             "up to {:.0} lines/s are needed, and 8-bit boards read 200 to 400: it may stutter. Ask for a larger scallop or a lower feed",
             demand.lines_per_s_max

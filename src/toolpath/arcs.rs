@@ -57,7 +57,12 @@ pub fn arcs(toolpath: &Toolpath, cutter: &DropCutter, options: &ArcOptions) -> T
     let moves = &toolpath.moves;
     // Stretches of straight moves of one kind within one section: an arc never crosses their ends.
     let mut stretches: Vec<(usize, usize)> = Vec::new();
-    let starts = |i: usize| toolpath.sections.binary_search_by_key(&i, |s| s.first_move).is_ok();
+    let starts = |i: usize| {
+        toolpath
+            .sections
+            .binary_search_by_key(&i, |s| s.first_move)
+            .is_ok()
+    };
     let curved = |m: &Move| m.turn.is_none() && matches!(m.kind, MoveKind::Cut | MoveKind::Link);
     let mut i = 1;
     while i < moves.len() {
@@ -66,7 +71,10 @@ pub fn arcs(toolpath: &Toolpath, cutter: &DropCutter, options: &ArcOptions) -> T
         if !curved(&moves[first]) {
             continue;
         }
-        while i < moves.len() && curved(&moves[i]) && moves[i].kind == moves[first].kind && !starts(i)
+        while i < moves.len()
+            && curved(&moves[i])
+            && moves[i].kind == moves[first].kind
+            && !starts(i)
         {
             i += 1;
         }
@@ -156,7 +164,12 @@ fn in_stretch(
         }
         let mut taken = None;
         while let Some(turn) = best {
-            let curve = Curve::arc(moves[i - 1].to + up, moves[j].to + up, &turn, options.chord_tolerance);
+            let curve = Curve::arc(
+                moves[i - 1].to + up,
+                moves[j].to + up,
+                &turn,
+                options.chord_tolerance,
+            );
             let p = examine(cutter, &curve, &options.fit, with_stock, false, &mut hint);
             if p.worst.is_none() && p.gouge_kept && p.stock_kept {
                 taken = Some(turn);
@@ -255,7 +268,10 @@ fn on_decimals(ideal: &Point2, a: &Point2, b: &Point2, decimal: f64) -> Option<P
     let mut best: Option<(f64, Point2)> = None;
     for v in -2..=2 {
         for u in -2..=2 {
-            let q = Point2::new((base.x + f64::from(u)) * decimal, (base.y + f64::from(v)) * decimal);
+            let q = Point2::new(
+                (base.x + f64::from(u)) * decimal,
+                (base.y + f64::from(v)) * decimal,
+            );
             let differ = ((q - a).norm() - (q - b).norm()).abs();
             // Of two as good ones the nearer to where it should be.
             let cost = differ + 0.05 * (q - ideal).norm();
@@ -290,4 +306,183 @@ fn near_all(points: &[Point], turn: &Turn, options: &ArcOptions) -> bool {
             && aside.hypot(off) <= f.sideways
             && off.abs() <= f.sideways.min(2.0 * (f.gouge + f.stock))
     })
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::part::Mesh;
+    use crate::toolpath::fit::{fit, proof};
+    use proptest::prelude::*;
+
+    const R: f64 = 3.0;
+
+    /// A gentle dome of radius 200 mm, 24 mm across.
+    fn dome() -> Mesh {
+        let at = |i: usize, j: usize| {
+            let (x, y) = (0.1 * i as f64 - 12.0, 0.1 * j as f64 - 12.0);
+            Point::new(x, y, (4e4 - x * x - y * y).sqrt() - 200.0)
+        };
+        let mut triangles = Vec::new();
+        for i in 0..240 {
+            for j in 0..240 {
+                let (a, b, c, d) = (at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1));
+                triangles.push([a, b, c]);
+                triangles.push([a, c, d]);
+            }
+        }
+        Mesh { triangles }
+    }
+
+    /// A spiral over the dome, as a toolpath of tips.
+    fn spiral(cutter: &DropCutter, turns: f64) -> (Toolpath, FitOptions) {
+        let o = FitOptions::for_scallop(0.02, R);
+        let n = (turns * 200.0) as usize;
+        let curve: Vec<Point2> = (0..=n)
+            .map(|i| {
+                let t = std::f64::consts::TAU * i as f64 / 200.0;
+                let r = 2.0 + 0.7 * i as f64 / 200.0;
+                Point2::new(r * t.cos(), r * t.sin())
+            })
+            .collect();
+        let run = fit(cutter, &curve, &o).concat();
+        let down = Vector::new(0.0, 0.0, -R);
+        let mut moves = vec![
+            Move::straight(MoveKind::Rapid, Point::new(run[0].x, run[0].y, 5.0)),
+            Move::straight(MoveKind::Plunge, run[0] + down),
+        ];
+        moves.extend(
+            run[1..]
+                .iter()
+                .map(|p| Move::straight(MoveKind::Cut, p + down)),
+        );
+        let path = Toolpath {
+            sections: vec![
+                Section {
+                    name: "one".into(),
+                    first_move: 0,
+                },
+                Section {
+                    name: "two".into(),
+                    first_move: moves.len() / 2,
+                },
+                Section {
+                    name: "never".into(),
+                    first_move: moves.len() + 7,
+                },
+            ],
+            moves,
+            safe_z: 5.0,
+        };
+        (path, o)
+    }
+
+    #[test]
+    fn a_spiral_over_a_gentle_dome_becomes_arcs_that_are_proven() {
+        let cutter = DropCutter::new(&dome(), R);
+        let (path, o) = spiral(&cutter, 8.0);
+        let how = ArcOptions::new(o, 0.002);
+        let short = arcs(&path, &cutter, &how);
+        assert!(
+            short.moves.len() * 2 < path.moves.len(),
+            "{} of {}",
+            short.moves.len(),
+            path.moves.len()
+        );
+        let before = proof(&cutter, &path, 0.002, &o);
+        let after = proof(&cutter, &short, 0.002, &o);
+        assert_eq!((after.over_gouge, after.over_stock), (0, 0), "{after:?}");
+        assert!((before.length_mm - after.length_mm).abs() < 1e-3 * before.length_mm);
+        assert!(after.arcs * 2 > after.segments, "{after:?}");
+        // The second section begins where it began: no arc runs across.
+        let (a, b) = (&path.sections[1], &short.sections[1]);
+        assert_eq!(a.name, b.name);
+        assert_eq!(
+            path.moves[a.first_move - 1].to,
+            short.moves[b.first_move - 1].to
+        );
+        assert_eq!(short.sections.len(), 3);
+        assert_eq!(
+            path.moves.last().unwrap().to,
+            short.moves.last().unwrap().to
+        );
+        for w in short.moves.windows(2) {
+            let Some(t) = w[1].turn else { continue };
+            // What a controller checks, with room.
+            let (rs, re) = (
+                (w[0].to.xy() - t.center).norm(),
+                (w[1].to.xy() - t.center).norm(),
+            );
+            assert!((rs - re).abs() <= RADII_DIFFER);
+            for c in t.center.iter() {
+                assert!((c * 1e3 - (c * 1e3).round()).abs() < 1e-6);
+            }
+        }
+        // The same again is the same; arcs are left alone.
+        assert_eq!(arcs(&path, &cutter, &how), short);
+        assert!(arcs(&short, &cutter, &how).moves.len() <= short.moves.len());
+    }
+
+    #[test]
+    fn a_coarse_controller_gets_fewer_arcs_on_a_slope() {
+        // Chords of 0.05 mm cut into the flank: nothing is left but lines.
+        let cutter = DropCutter::new(&dome(), R);
+        let (path, o) = spiral(&cutter, 8.0);
+        let coarse = arcs(&path, &cutter, &ArcOptions::new(o, 0.2));
+        let fine = arcs(&path, &cutter, &ArcOptions::new(o, 0.002));
+        assert!(coarse.moves.len() > fine.moves.len());
+        assert_eq!(proof(&cutter, &coarse, 0.2, &o).over_gouge, 0);
+    }
+
+    #[test]
+    fn straight_paths_and_other_kinds_stay_as_they_are() {
+        let cutter = DropCutter::new(&dome(), R);
+        let o = FitOptions::for_scallop(0.02, R);
+        let mut path = Toolpath::default();
+        for i in 0..20 {
+            path.moves.push(Move::straight(
+                MoveKind::Rapid,
+                Point::new(f64::from(i), 0.0, 9.0),
+            ));
+        }
+        for i in 0..20 {
+            path.moves.push(Move::straight(
+                MoveKind::Cut,
+                Point::new(f64::from(i), 0.0, 9.0),
+            ));
+        }
+        assert_eq!(arcs(&path, &cutter, &ArcOptions::new(o, 0.002)), path);
+        let empty = Toolpath::default();
+        assert_eq!(arcs(&empty, &cutter, &ArcOptions::new(o, 0.002)), empty);
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
+        /// Points on a helix give that helix back, whichever way round.
+        #[test]
+        fn a_helix_is_found_again(
+            x in -20.0..20.0f64, y in -20.0..20.0f64, r in 1.0..40.0f64, start in 0.0..6.0f64,
+            sweep in 0.1..2.2f64, rise in -0.5..0.5f64, n in 4usize..20, back: bool,
+        ) {
+            let o = FitOptions::for_scallop(0.02, R);
+            let sweep = if back { -sweep } else { sweep };
+            let points: Vec<Point> = (0..=n)
+                .map(|i| {
+                    let s = i as f64 / n as f64;
+                    let t = start + sweep * s;
+                    let snap = |v: f64| (v * 1e3).round() * 1e-3;
+                    Point::new(snap(x + r * t.cos()), snap(y + r * t.sin()), snap(rise * s))
+                })
+                .collect();
+            let turn = circle(&points, &ArcOptions::new(o, 0.002)).unwrap();
+            prop_assert_eq!(turn.clockwise, back);
+            prop_assert!((turn.sweep(&points[0], &points[n]) - sweep).abs() < 0.2 * sweep.abs());
+            let c = Curve::arc(points[0], points[n], &turn, 0.0);
+            for (i, p) in points.iter().enumerate() {
+                let q = c.at(c.length() * i as f64 / n as f64);
+                prop_assert!((p - q).norm() < 0.004, "{} at {}", (p - q).norm(), i);
+            }
+        }
+    }
 }

@@ -7,6 +7,7 @@ mod plans;
 mod feature;
 mod field;
 mod finish;
+mod fit;
 mod functions;
 mod morse;
 mod part;

@@ -239,3 +239,6 @@ pub fn smooth(curve: &mut [Point2], closed: bool, rounds: usize) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -33,6 +33,7 @@ pub(super) fn spread(rests: &[Rest], options: &FitOptions) -> Vec<Vertex> {
         let (a, b) = (rests[i].center, rests[i + 1].center);
         (b.xy() - a.xy()).norm() <= CLIFF_RUN && (b.z - a.z).abs() > CLIFF_RUN
     };
+    let closed = is_closed(rests.iter().map(|r| &r.center));
     let mut places: Vec<(Place, bool)> = Vec::new();
     let mut first = 0;
     let mut after_cliff = false;
@@ -42,7 +43,8 @@ pub(super) fn spread(rests: &[Rest], options: &FitOptions) -> Vec<Vertex> {
             continue;
         }
         let from = places.len();
-        piece(&rests[first..=i], first, options, &mut places);
+        let fixed = [first > 0 || !closed, !ends || !closed];
+        piece(&rests[first..=i], first, fixed, options, &mut places);
         if after_cliff && let Some(v) = places.get_mut(from) {
             v.1 = true;
         }
@@ -52,6 +54,15 @@ pub(super) fn spread(rests: &[Rest], options: &FitOptions) -> Vec<Vertex> {
         (first, after_cliff) = (i + 1, true);
     }
     lifted(rests, &places, options)
+}
+
+/// A run that ends where it began.
+fn is_closed<'a>(mut points: impl ExactSizeIterator<Item = &'a Point>) -> bool {
+    points.len() > 2
+        && points
+            .next()
+            .zip(points.last())
+            .is_some_and(|(a, b)| (a - b).norm() < 1e-9)
 }
 
 /// The vertices at these places, with their lifts.
@@ -70,7 +81,7 @@ fn lifted(rests: &[Rest], places: &[(Place, bool)], options: &FitOptions) -> Vec
         })
         .collect();
     let n = places.len();
-    let closed = n > 2 && (places[n - 1].0.at - places[0].0.at).norm() < 1e-9;
+    let closed = is_closed(places.iter().map(|p| &p.0.at));
     (0..n)
         .map(|i| {
             let before = if i > 0 {
@@ -131,8 +142,15 @@ fn miss(rests: &[Rest], a: &Place, b: &Place) -> Miss {
     m
 }
 
-/// Places of the vertices of a piece without cliffs, both ends included; `base` is the index of its first rest.
-fn piece(rests: &[Rest], base: usize, options: &FitOptions, out: &mut Vec<(Place, bool)>) {
+/// Places of the vertices of a piece without cliffs, both ends included; `base` is the index of its first rest, `fixed` says which of its
+/// ends will not be lifted.
+fn piece(
+    rests: &[Rest],
+    base: usize,
+    fixed: [bool; 2],
+    options: &FitOptions,
+    out: &mut Vec<(Place, bool)>,
+) {
     let mut push = |p: Place| {
         let index = p.index + base;
         out.push((Place { index, ..p }, false));
@@ -150,7 +168,8 @@ fn piece(rests: &[Rest], base: usize, options: &FitOptions, out: &mut Vec<(Place
         .into_iter()
         .chain([rests.len() - 1])
     {
-        let smooth = Smooth::new(&rests[first..=last], &along[first..=last], options);
+        let fixed = [fixed[0] && first == 0, fixed[1] && last + 1 == rests.len()];
+        let smooth = Smooth::new(&rests[first..=last], &along[first..=last], fixed, options);
         for p in smooth.vertices() {
             let index = p.index + first;
             push(Place { index, ..p });
@@ -231,6 +250,8 @@ struct Smooth<'a> {
     along: &'a [f64],
     /// Direction at each rest.
     heading: Vec<Vector>,
+    /// Ends that will not be lifted.
+    fixed: [bool; 2],
     options: &'a FitOptions,
 }
 
@@ -242,7 +263,12 @@ struct Place {
 }
 
 impl<'a> Smooth<'a> {
-    fn new(rests: &'a [Rest], along: &'a [f64], options: &'a FitOptions) -> Smooth<'a> {
+    fn new(
+        rests: &'a [Rest],
+        along: &'a [f64],
+        fixed: [bool; 2],
+        options: &'a FitOptions,
+    ) -> Smooth<'a> {
         let heading = directions(rests, along)
             .iter()
             .map(|(a, b)| (a + b).try_normalize(1e-12).unwrap_or_else(Vector::zeros))
@@ -251,6 +277,7 @@ impl<'a> Smooth<'a> {
             rests,
             along,
             heading,
+            fixed,
             options,
         }
     }
@@ -280,7 +307,7 @@ impl<'a> Smooth<'a> {
         let mut hops = Vec::new();
         let mut next_hop = 0;
         let mut far = 1;
-        for i in 0..n - 1 {
+        for (i, farthest) in reach.iter_mut().enumerate().take(n - 1) {
             far = far.max(i + 1);
             while far > i + 1 && !self.holds(&self.rest(i), &self.rest(far)) {
                 far -= 1;
@@ -292,7 +319,7 @@ impl<'a> Smooth<'a> {
                     far = tried;
                 }
             }
-            reach[i] = far;
+            *farthest = far;
             if i == next_hop {
                 next_hop = far;
                 hops.push(far);
@@ -313,9 +340,16 @@ impl<'a> Smooth<'a> {
             return false;
         }
         let m = miss(self.rests, a, b);
-        // Rounding takes its share of both budgets.
-        m.low + m.high <= o.gouge + o.stock - 0.6 * o.decimal
-            && m.aside_sq <= o.sideways * o.sideways
+        // Both budgets, where both ends are lifted; hardly more than one, where one is not.
+        let at_end =
+            (self.fixed[0] && a.index == 0) || (self.fixed[1] && b.index + 1 == self.rests.len());
+        let band = if at_end {
+            1.3 * o.gouge.min(o.stock)
+        } else {
+            o.gouge + o.stock
+        };
+        // Rounding takes its share.
+        m.low + m.high <= band - 0.6 * o.decimal && m.aside_sq <= o.sideways * o.sideways
     }
 
     /// The place at a distance along the path.
@@ -340,10 +374,10 @@ impl<'a> Smooth<'a> {
     fn balanced(&self, reach: &[usize], count: usize) -> Option<Vec<Place>> {
         let n = self.rests.len();
         let mut room: Vec<f64> = Vec::with_capacity(n);
-        for i in 0..n {
-            let own = self.along[reach[i]] - self.along[i];
+        for (i, &farthest) in reach.iter().enumerate() {
+            let own = self.along[farthest] - self.along[i];
             // Near the end the path stops, not the chord.
-            let cut_short = reach[i] == n - 1;
+            let cut_short = farthest == n - 1;
             let last = room.last().copied().unwrap_or(0.0);
             room.push(if cut_short { own.max(last) } else { own }.max(1e-6));
         }
