@@ -360,7 +360,7 @@ fn crossings(
             let leap = below.is_none_or(|c| c.center.z < z - LEAP);
             let z = match level {
                 Some(z) => z,
-                None if leap => above.center.z - LEAP,
+                None if leap => above.center.z - 2.0 * LEAP,
                 None => return None,
             };
             if leap {
@@ -400,7 +400,8 @@ fn is_wall(
     hint: &mut Hint,
 ) -> bool {
     let side = 0.01 * cutter.radius();
-    let q = at + out * side;
+    // Uphill: downhill the next thing may be a leap.
+    let q = at - out * side;
     let (Some(a), Some(b)) = (
         cutter.drop_near(at.x, at.y, hint),
         cutter.drop_near(q.x, q.y, hint),
@@ -496,7 +497,7 @@ fn tops(
             .points
             .iter()
             .map(|p| {
-                let z = p.center.z + p.rise - LEAP;
+                let z = p.center.z + p.rise - 2.0 * LEAP;
                 let tall = p.rise > 0.5 * steep.options.stepover;
                 let touches = || {
                     (part.distance(&p.center.xy(), z, 1.1 * grid.radius) - grid.radius).abs()
