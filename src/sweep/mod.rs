@@ -9,10 +9,12 @@ pub mod finish;
 pub mod lattice;
 pub mod nearest;
 pub mod reachable;
+pub mod rest;
 pub mod swept;
 
 pub use finish::{CuspMap, Finish, FinishError, FinishOptions, FinishStats, Percentiles, finish};
 pub use lattice::Lattice;
 pub use nearest::Paths;
 pub use reachable::{Reachable, reachable, reachable_bytes};
+pub use rest::{Rest, RestOptions, RestSpot, rest};
 pub use swept::{Encounter, Segment, Swept};
