@@ -284,6 +284,7 @@ pub fn plan(
     (best, reach)
 }
 
+#[allow(clippy::too_many_arguments)]
 fn plan_at(
     ground: &Ground,
     reach: &Reachable,
