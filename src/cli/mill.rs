@@ -10,6 +10,7 @@ use crate::part::{Loaded, Placement};
 use crate::post::{Coolant, Job, Post, write};
 use crate::reach::DropCutter;
 use crate::simulate::{DryRun, DryRunOptions, Kind, PartContext, Stock, dry_run};
+use crate::sweep::{Rest, RestOptions, rest};
 use crate::toolpath::plan::{self, Plan};
 use crate::toolpath::{
     ArcOptions, DEFAULT_WALL_ANGLE, FILL_START, Figures, FitReport, Ground, LinkOptions, PlanOptions, RETRACT_WORTH,
@@ -188,6 +189,11 @@ struct MillJson<'a> {
     strategies: Vec<StrategyJson>,
     fill: FillJson,
     fit: FitJson,
+    walls: WallsJson,
+    rest_tolerance_mm: f64,
+    rest_surface_mm2: f64,
+    rest_spots: usize,
+    rest: Vec<RestJson>,
     #[serde(flatten)]
     dry_run: &'a DryRun,
     read_back: ReadBackJson,
@@ -226,6 +232,36 @@ impl From<&FitReport> for FitJson {
             over_stock: f.over_stock,
         }
     }
+}
+
+#[derive(serde::Serialize)]
+struct WallsJson {
+    /// Steeper than this, degrees from the horizontal.
+    angle_deg: f64,
+    /// How deep the flutes cut, mm; three diameters unless told.
+    flute_mm: f64,
+    flute_told: bool,
+    /// Walls left standing because the flutes are too short.
+    too_deep: Vec<TooDeepJson>,
+}
+
+#[derive(serde::Serialize)]
+struct TooDeepJson {
+    x: f64,
+    y: f64,
+    z: f64,
+    needs_mm: f64,
+}
+
+#[derive(serde::Serialize)]
+struct RestJson {
+    x: f64,
+    y: f64,
+    z: f64,
+    area_mm2: f64,
+    depth_mm: f64,
+    /// Diameter; null for a corner too sharp for any ball.
+    largest_ball_mm: Option<f64>,
 }
 
 #[derive(serde::Serialize)]
@@ -429,6 +465,12 @@ pub fn run(a: &MillArgs) -> Result<ExitCode, Failure> {
         })
         .unwrap_or_default();
     let features = show::features(&planned, &posted, &times);
+    progress.stage("rest", "looking for what the ball leaves");
+    let left = rest(
+        &placement.mesh,
+        &ground.cutter,
+        &RestOptions::for_scallop(a.tool.scallop),
+    );
 
     if let Some(dir) = &a.report {
         progress.stage("pictures", "drawing");
@@ -461,6 +503,7 @@ pub fn run(a: &MillArgs) -> Result<ExitCode, Failure> {
         &deviation,
         &fit,
         features.clone(),
+        &left,
         planned_bytes,
         seconds,
     );
@@ -475,7 +518,7 @@ pub fn run(a: &MillArgs) -> Result<ExitCode, Failure> {
         .problems
         .iter()
         .any(|p| !matches!(p.kind, Kind::Scallop | Kind::Uncut));
-    if !dangerous || std::env::var("MM_KEEP").is_ok() {
+    if !dangerous {
         write_whole(&a.output, posted.text.as_bytes())?;
     }
     to_stdout(|w| {
@@ -483,6 +526,8 @@ pub fn run(a: &MillArgs) -> Result<ExitCode, Failure> {
         show::critical(w, &ground.critical)?;
         show::feature_table(w, &features)?;
         show::verdict(w, &verdict, a.tool.scallop)?;
+        show::rest(w, &left, a.tool.scallop)?;
+        show::too_deep(w, &planned.too_deep, &a.tool.tool)?;
         if dangerous {
             writeln!(w, "no program was written: it would not be safe to run")
         } else {
@@ -604,6 +649,7 @@ fn mill_json<'a>(
     deviation: &Deviation,
     fit: &FitReport,
     features: Vec<FeatureJson>,
+    left: &Rest,
     planned_bytes: u64,
     seconds: BTreeMap<&'static str, f64>,
 ) -> MillJson<'a> {
@@ -628,6 +674,36 @@ fn mill_json<'a>(
             cells_left: planned.fill.cells_left,
         },
         fit: fit.into(),
+        walls: WallsJson {
+            angle_deg: a.wall_angle,
+            flute_mm: a.tool.tool.flute_length(),
+            flute_told: a.tool.tool.flute.is_some(),
+            too_deep: planned
+                .too_deep
+                .iter()
+                .map(|t| TooDeepJson {
+                    x: t.place.x,
+                    y: t.place.y,
+                    z: t.place.z,
+                    needs_mm: t.needs,
+                })
+                .collect(),
+        },
+        rest_tolerance_mm: a.tool.scallop,
+        rest_surface_mm2: left.area,
+        rest_spots: left.count,
+        rest: left
+            .spots
+            .iter()
+            .map(|s| RestJson {
+                x: s.place.x,
+                y: s.place.y,
+                z: s.place.z,
+                area_mm2: s.area,
+                depth_mm: s.depth,
+                largest_ball_mm: s.largest_ball.map(|r| (200.0 * r).floor() / 100.0),
+            })
+            .collect(),
         dry_run: verdict,
         read_back: ReadBackJson {
             moves: deviation.moves,

@@ -6,6 +6,9 @@ use crate::post::Posted;
 use crate::simulate::{DryRun, MotionFigures};
 use crate::toolpath::plan::Plan;
 use crate::toolpath::{MoveKind, PassKind, Stage};
+use crate::sweep::Rest;
+use crate::tool::Tool;
+use crate::toolpath::wall::TooDeep;
 use serde::Serialize;
 use std::io::{self, Write};
 use std::path::Path;
@@ -411,4 +414,53 @@ pub fn verdict(w: &mut dyn Write, d: &DryRun, scallop: f64) -> io::Result<()> {
         writeln!(w, "problem    {p}")?;
     }
     writeln!(w, "verdict    {}", d.verdict)
+}
+
+/// One line on what the ball leaves.
+pub fn rest(w: &mut dyn Write, rest: &Rest, tolerance: f64) -> io::Result<()> {
+    let Some(most) = rest.spots.first() else {
+        return writeln!(
+            w,
+            "rest material: none over {:.1} um, the ball goes everywhere",
+            1e3 * tolerance
+        );
+    };
+    let ball = most.largest_ball.map_or_else(
+        || "a corner too sharp for any ball".to_string(),
+        |r| format!("ball:{:.2} would reach it", (200.0 * r).floor() / 100.0),
+    );
+    writeln!(
+        w,
+        "rest material: {:.1} mm2 in {} place{}; the largest {:.1} mm2, {:.3} mm deep at X{:.2} Y{:.2} Z{:.2}: {ball}",
+        rest.area,
+        rest.count,
+        if rest.count == 1 { "" } else { "s" },
+        most.area,
+        most.depth,
+        most.place.x,
+        most.place.y,
+        most.place.z
+    )
+}
+
+/// Walls that were left standing, by name.
+pub fn too_deep(w: &mut dyn Write, walls: &[TooDeep], tool: &Tool) -> io::Result<()> {
+    let deepest = walls.iter().fold(None, |b: Option<&TooDeep>, t| match b {
+        Some(b) if b.needs >= t.needs => Some(b),
+        _ => Some(t),
+    });
+    let Some(t) = deepest else { return Ok(()) };
+    let told = if tool.flute.is_some() {
+        ""
+    } else {
+        " (three diameters, as --tool does not say; write e.g. ball:6,flute:30)"
+    };
+    writeln!(
+        w,
+        "upright wall at X{:.2} Y{:.2} not cut to its foot: that takes flutes of {:.1} mm, these are {:.1} mm{told}",
+        t.place.x,
+        t.place.y,
+        t.needs,
+        tool.flute_length()
+    )
 }

@@ -89,14 +89,20 @@ pub struct Collision {
 /// Height of the stock over each cell of a tile before the first move; `-inf` where there is none.
 pub fn stock(part: &PartContext, r: &Reachable, stock: &Stock) -> Vec<f64> {
     let b = part.drop.bounds();
+    let near = match *stock {
+        Stock::Allowance(mm) => highest_near(&r.lattice, &r.reach_z, mm),
+        Stock::Block { .. } => Vec::new(),
+    };
     (0..r.lattice.len())
         .map(|i| match *stock {
             Stock::Allowance(mm) => {
                 if r.part_z[i].is_nan() || !r.reach_z[i].is_finite() {
                     f64::NEG_INFINITY
                 } else {
-                    // Measured along the normal, so more on slopes; five times as much at most.
-                    r.reach_z[i] + mm / f64::from(r.normal_z[i]).max(0.2)
+                    // Measured along the normal, so more on slopes; five times as much at most, and nowhere more than this much over
+                    // what stands near: the ball's normal on the edge of a wall is not the stock's.
+                    let slope = mm / f64::from(r.normal_z[i]).max(0.2);
+                    (r.reach_z[i] + slope).min(near[i] + mm)
                 }
             }
             Stock::Block { top_z } => {
@@ -106,6 +112,44 @@ pub fn stock(part: &PartContext, r: &Reachable, stock: &Stock) -> Vec<f64> {
             }
         })
         .collect()
+}
+
+/// The highest value within so many mm of each cell along X and Y; what is not finite counts as nothing.
+fn highest_near(lattice: &Lattice, z: &[f64], mm: f64) -> Vec<f64> {
+    let reach = (mm / lattice.step).ceil().max(0.0) as usize;
+    let known = |v: f64| if v.is_finite() { v } else { f64::NEG_INFINITY };
+    let (nx, ny) = (lattice.nx, lattice.ny);
+    let most = |n: usize, at: &dyn Fn(usize) -> f64, out: &mut dyn FnMut(usize, f64)| {
+        // Falling candidates of a sliding window, the highest in front.
+        let mut queue: std::collections::VecDeque<(usize, f64)> = std::collections::VecDeque::new();
+        for k in 0..n + reach {
+            if k < n {
+                let v = at(k);
+                while queue.back().is_some_and(|b| b.1 <= v) {
+                    queue.pop_back();
+                }
+                queue.push_back((k, v));
+            }
+            if k >= reach {
+                let middle = k - reach;
+                while queue.front().is_some_and(|f| f.0 + reach < middle) {
+                    queue.pop_front();
+                }
+                out(middle, queue.front().map_or(f64::NEG_INFINITY, |f| f.1));
+            }
+        }
+    };
+    let mut rows = vec![f64::NEG_INFINITY; z.len()];
+    for y in 0..ny {
+        most(nx, &|x| known(z[y * nx + x]), &mut |x, v| {
+            rows[y * nx + x] = v
+        });
+    }
+    let mut out = vec![f64::NEG_INFINITY; z.len()];
+    for x in 0..nx {
+        most(ny, &|y| rows[y * nx + x], &mut |y, v| out[y * nx + x] = v);
+    }
+    out
 }
 
 /// Cuts the moves numbered in `which` in order over one tile: what is left, and the rapids that met stock, one for each line at

@@ -9,6 +9,7 @@ pub mod finish;
 pub mod lattice;
 pub mod nearest;
 pub mod reachable;
+pub mod rest;
 pub mod swept;
 pub mod tiles;
 
@@ -18,5 +19,6 @@ pub use finish::{
 pub use lattice::Lattice;
 pub use nearest::Paths;
 pub use reachable::{Reachable, reachable, reachable_bytes};
+pub use rest::{Rest, RestOptions, RestSpot, rest};
 pub use swept::{Encounter, Segment, Swept};
 pub use tiles::{ReachTiles, Tile};

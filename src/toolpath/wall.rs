@@ -360,7 +360,7 @@ fn crossings(
             let leap = below.is_none_or(|c| c.center.z < z - LEAP);
             let z = match level {
                 Some(z) => z,
-                None if leap => above.center.z - LEAP,
+                None if leap => above.center.z - 2.0 * LEAP,
                 None => return None,
             };
             if leap {
@@ -400,7 +400,8 @@ fn is_wall(
     hint: &mut Hint,
 ) -> bool {
     let side = 0.01 * cutter.radius();
-    let q = at + out * side;
+    // Uphill: downhill the next thing may be a leap.
+    let q = at - out * side;
     let (Some(a), Some(b)) = (
         cutter.drop_near(at.x, at.y, hint),
         cutter.drop_near(q.x, q.y, hint),
@@ -496,7 +497,7 @@ fn tops(
             .points
             .iter()
             .map(|p| {
-                let z = p.center.z + p.rise - LEAP;
+                let z = p.center.z + p.rise - 2.0 * LEAP;
                 let tall = p.rise > 0.5 * steep.options.stepover;
                 let touches = || {
                     (part.distance(&p.center.xy(), z, 1.1 * grid.radius) - grid.radius).abs()
@@ -707,4 +708,109 @@ fn stacked(
             closed: false,
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::reach::{GridOptions, GridPlan};
+
+    /// A closed box of this size, its top at zero.
+    fn block(x: f64, y: f64, z: f64) -> Mesh {
+        let p = |i: usize| Point::new([0.0, x][i & 1], [0.0, y][(i >> 1) & 1], [-z, 0.0][i >> 2]);
+        let faces = [
+            [0, 2, 3, 1],
+            [4, 5, 7, 6],
+            [0, 1, 5, 4],
+            [1, 3, 7, 5],
+            [3, 2, 6, 7],
+            [2, 0, 4, 6],
+        ];
+        Mesh {
+            triangles: faces
+                .iter()
+                .flat_map(|f| [[p(f[0]), p(f[1]), p(f[2])], [p(f[0]), p(f[2]), p(f[3])]])
+                .collect(),
+        }
+    }
+
+    fn cut(mesh: &Mesh, flute: f64) -> (Vec<Pass>, Vec<TooDeep>) {
+        let cutter = DropCutter::new(mesh, 2.0);
+        let how = GridOptions {
+            step: 0.13,
+            memory_limit_bytes: 1 << 30,
+        };
+        let grid = ToolCentreGrid::new(&cutter, &GridPlan::new(&cutter, &how).unwrap()).unwrap();
+        let uprights = Uprights::new(mesh, 2.0);
+        let options = WallOptions {
+            angle: 75f64.to_radians(),
+            stepover: 0.6,
+            floor: cutter.bounds().min.z,
+            flute,
+            off_wall: 0.0024,
+        };
+        let steep = steep(&grid, &uprights, &options);
+        let regions = Regions {
+            features: Vec::new(),
+            label: vec![0; grid.len()],
+        };
+        let fitting = FitOptions::for_scallop(0.02, 2.0);
+        walls(&grid, &cutter, &regions, &uprights, &steep, &[], &fitting)
+    }
+
+    /// One pass goes round and down: from the top edge to the floor, a stepover at a time, one radius off.
+    #[test]
+    fn a_block_is_gone_round_down_to_the_floor() {
+        let (passes, too_deep) = cut(&block(12.0, 9.0, 7.0), 18.0);
+        assert_eq!((passes.len(), too_deep.len()), (1, 0));
+        let mut heights: Vec<f64> = Vec::new();
+        for p in &passes[0].points {
+            let beside = Vector2::new(
+                (-p.x).max(p.x - 12.0).max(0.0),
+                (-p.y).max(p.y - 9.0).max(0.0),
+            );
+            assert!((beside.norm() - 2.0024).abs() < 0.0025, "{p}");
+            heights.push(p.z);
+        }
+        heights.sort_by(f64::total_cmp);
+        assert!(
+            (heights[0] + 5.0).abs() < 1e-9,
+            "the tip stands on the floor"
+        );
+        assert!(
+            heights[heights.len() - 1] > -0.03,
+            "and it begins at the top edge"
+        );
+        assert!(heights.windows(2).all(|w| w[1] - w[0] < 0.6 + 1e-9));
+        let round = 2.0 * (12.0 + 9.0) + 2.0 * std::f64::consts::PI * 2.0;
+        let levels = (5.0f64 / 0.6).floor() + 1.0 + 1.0;
+        assert!((passes[0].length() / (round * levels) - 1.0).abs() < 0.02);
+    }
+
+    /// Flutes of 4 mm cut 4 mm deep; what stays is named, with what it would take.
+    #[test]
+    fn short_flutes_stop_and_say_so() {
+        let (passes, too_deep) = cut(&block(12.0, 9.0, 7.0), 4.0);
+        let lowest = passes
+            .iter()
+            .flat_map(|p| &p.points)
+            .map(|p| p.z)
+            .fold(f64::INFINITY, f64::min);
+        assert!((-2.0 - 1e-9..-1.3).contains(&lowest), "{lowest}");
+        let most = too_deep.iter().map(|t| t.needs).fold(0.0, f64::max);
+        assert!((most - 7.0).abs() < 0.02, "{too_deep:?}");
+    }
+
+    #[test]
+    fn an_open_sheet_has_no_walls() {
+        let p = Point::new;
+        let sheet = Mesh {
+            triangles: vec![
+                [p(0.0, 0.0, 0.0), p(9.0, 0.0, 2.0), p(9.0, 9.0, 2.0)],
+                [p(0.0, 0.0, 0.0), p(9.0, 9.0, 2.0), p(0.0, 9.0, 0.0)],
+            ],
+        };
+        assert_eq!(cut(&sheet, 18.0), (Vec::new(), Vec::new()));
+    }
 }
