@@ -150,7 +150,9 @@ fn sample(
         let (from, to) = (a + (c - a) * v, b + (c - b) * v);
         let width = (to - from).norm();
         let columns = cuts(width) as usize;
-        let area = width * height / rows as f64 / columns as f64;
+        // Exact for the row, wherever in it the places lie.
+        let middle = (row as f64 + 0.5) / rows as f64;
+        let area = edge(long) * (1.0 - middle) * height / rows as f64 / columns as f64;
         for k in 0..columns {
             let p = from + (to - from) * ((k as f64 + scatter.next()) / columns as f64);
             if let Some((depth, normal)) = left(&p, &n, cutter, tolerance, hint, &mut last) {
