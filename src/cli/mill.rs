@@ -530,6 +530,7 @@ fn link_options(a: &MillArgs, s: &Settings, placement: &Placement) -> LinkOption
         clearance: CLEARANCE,
         block_center_z: block,
         safe_center_z: top + allowance + SAFE_ABOVE + a.tool.tool.radius,
+        retract_center_z: f64::NEG_INFINITY,
         retract_worth: RETRACT_WORTH,
     }
 }

@@ -91,18 +91,22 @@ fn of_piece(
 ) -> Vec<f64> {
     let even = sampled(points, triangles, area, seeds);
     let spots = spots(&even.net, &even.area, samples);
-    let (_, cell) = even.net.distances(&spots, f64::INFINITY);
+    let (away, cell) = even.net.distances(&spots, f64::INFINITY);
     let mut own = vec![0.0; spots.len()];
-    for (&c, a) in cell.iter().zip(&even.area) {
+    let mut sum = own.clone();
+    for (k, &c) in cell.iter().enumerate() {
         if let Some(o) = own.get_mut(c as usize) {
-            *o += a;
+            *o += even.area[k];
+            sum[c as usize] += even.area[k] * away[k].hypot(even.inner[k]);
         }
     }
     let parts: Vec<Vec<f64>> = spots
         .par_iter()
-        .zip(&own)
-        .map(|(&s, &a)| {
-            let r = (a / std::f64::consts::PI).sqrt();
+        .zip(own.par_iter().zip(&sum))
+        .map(|(&s, (&a, sum))| {
+            // Of all flat shapes a disc is nearest to its middle: a cell that is nearer still is folded, and counts as what it is.
+            let folded = if a > 0.0 { 1.5 * sum / a } else { 0.0 };
+            let r = (a / std::f64::consts::PI).sqrt().min(folded);
             let (d, _) = even.net.distances(&[s], f64::INFINITY);
             d.into_iter()
                 .map(|d| {

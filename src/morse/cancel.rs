@@ -4,8 +4,10 @@
 //! ends is its persistence, and the meeting place its partner. Peaks likewise, from above. Pairs of small persistence are
 //! cancelled. (H. Edelsbrunner, D. Letscher, A. Zomorodian, *Topological persistence and simplification*, 2002.)
 
+use rayon::prelude::*;
+
 /// A scalar on the nodes of a graph: the ground of a grid, or the vertices of a mesh.
-pub trait Graph {
+pub trait Graph: Sync {
     /// Number of nodes, active or not.
     fn len(&self) -> usize;
     /// Whether a node takes part.
@@ -48,7 +50,7 @@ const NOBODY: u32 = u32::MAX;
 fn pairs(s: &impl Graph, from_above: bool) -> Vec<Pair> {
     let n = s.len();
     let mut order: Vec<u32> = (0..n as u32).filter(|&i| s.is_active(i as usize)).collect();
-    order.sort_unstable_by(|&a, &b| {
+    order.par_sort_unstable_by(|&a, &b| {
         let o = s
             .value(a as usize)
             .total_cmp(&s.value(b as usize))

@@ -26,27 +26,48 @@ const RIDGE: f64 = 1e-3;
 /// Mean curvature of the part about a place of the grid, 1/mm: normals against contacts over the ground nodes within `radius` mm (in
 /// plan). Zero where fewer than three nodes are near.
 pub fn at_place(grid: &ToolCentreGrid, x: f64, y: f64, radius: f64) -> f64 {
+    let (h, share) = in_window(grid, x, y, radius);
+    if share < 0.95 {
+        // Beside a border part of the window is missing: as much again is taken from farther inside.
+        return in_window(
+            grid,
+            x,
+            y,
+            radius * (1.0 / share.max(1e-9)).sqrt().min(WIDER),
+        )
+        .0;
+    }
+    h
+}
+
+/// The same for exactly that radius, and how much of the window is ground, 0 to 1.
+fn in_window(grid: &ToolCentreGrid, x: f64, y: f64, radius: f64) -> (f64, f64) {
     let Some(near) = grid.nearest(x, y) else {
-        return 0.0;
+        return (0.0, 1.0);
     };
-    let reach = (radius / grid.step).ceil() as i32;
+    let at = grid.xy(near);
+    let reach = (radius / grid.step).ceil() as i32 + 1;
     let mut sums: Vec<(f64, Vector, Vector)> = Vec::with_capacity(128);
+    let mut whole = 0.0;
     let (mut weight, mut p_mean, mut n_mean) = (0.0, Vector::zeros(), Vector::zeros());
     let mut base: Option<Point> = None;
     for dy in -reach..=reach {
         for dx in -reach..=reach {
+            let (u, v) = (
+                at.x + dx as f64 * grid.step - x,
+                at.y + dy as f64 * grid.step - y,
+            );
+            let w = 1.0 - (u * u + v * v) / (radius * radius);
+            if w <= 0.0 {
+                continue;
+            }
+            whole += w;
             let Some(j) = grid
                 .neighbour(near, (dx, dy))
                 .filter(|&j| grid.kind[j] == NodeKind::Ground)
             else {
                 continue;
             };
-            let q = grid.xy(j);
-            let d2 = ((q.x - x).powi(2) + (q.y - y).powi(2)) / (radius * radius);
-            if d2 >= 1.0 {
-                continue;
-            }
-            let w = 1.0 - d2;
             let p = grid.point[j] - *base.get_or_insert(grid.point[j]);
             let n = (grid.center(j) - grid.point[j]) / grid.radius;
             weight += w;
@@ -55,8 +76,9 @@ pub fn at_place(grid: &ToolCentreGrid, x: f64, y: f64, radius: f64) -> f64 {
             sums.push((w, p, n));
         }
     }
+    let share = weight / whole;
     if sums.len() < 3 {
-        return 0.0;
+        return (0.0, share);
     }
     p_mean /= weight;
     n_mean /= weight;
@@ -67,7 +89,7 @@ pub fn at_place(grid: &ToolCentreGrid, x: f64, y: f64, radius: f64) -> f64 {
         np += n * p.transpose() * *w;
     }
     let Some(up) = n_mean.try_normalize(1e-9) else {
-        return 0.0;
+        return (0.0, share);
     };
     // Two directions across the mean normal.
     let any = if up.x.abs() < 0.6 {
@@ -87,13 +109,16 @@ pub fn at_place(grid: &ToolCentreGrid, x: f64, y: f64, radius: f64) -> f64 {
     };
     let ridge = RIDGE * weight * radius * radius;
     let spread = across(&pp) + Matrix2::identity() * ridge;
-    spread
+    let h = spread
         .try_inverse()
-        .map_or(0.0, |inverse| 0.5 * (across(&np) * inverse).trace())
+        .map_or(0.0, |inverse| 0.5 * (across(&np) * inverse).trace());
+    (h, share)
 }
 
 /// Vertices looked at about one, at most: where a mesh is far finer than the radius its nearest rings are enough.
 const MOST: usize = 400;
+/// How much wider a window may get beside a border.
+const WIDER: f64 = 2.0;
 /// One vertex, or node, in so many is asked twice for the roughness.
 const ONE_IN: usize = 16;
 
@@ -141,7 +166,28 @@ impl Bends<'_> {
         found: &mut Vec<u32>,
         seen: &mut [bool],
     ) -> Option<f64> {
+        let (bend, area, border) = self.sums(v, radius, most, found, seen);
+        // Beside a border half of the window is missing: as much again is taken from farther inside.
+        let whole = 0.5 * std::f64::consts::PI * radius * radius;
+        if border && area < whole {
+            let wider = radius * (whole / area.max(1e-300)).sqrt().min(WIDER);
+            let (bend, area, _) = self.sums(v, wider, most, found, seen);
+            return (area > 0.0).then(|| bend / area);
+        }
+        (area > 0.0).then(|| bend / area)
+    }
+
+    /// Weighted integral of H, weighted area, and whether a border is near.
+    fn sums(
+        &self,
+        v: usize,
+        radius: f64,
+        most: usize,
+        found: &mut Vec<u32>,
+        seen: &mut [bool],
+    ) -> (f64, f64, bool) {
         let s = self.surface;
+        let mut border = false;
         found.clear();
         found.push(v as u32);
         seen[v] = true;
@@ -151,6 +197,7 @@ impl Bends<'_> {
             next += 1;
             let u = u as usize;
             let away = |x: usize| (s.points[x] - s.points[v]).norm_squared() / (radius * radius);
+            border |= s.border[u];
             if !s.border[u] {
                 let w = (1.0 - away(u)).max(if u == v { 1.0 } else { 0.0 });
                 bend += w * self.bent[u];
@@ -171,7 +218,7 @@ impl Bends<'_> {
         for &u in found.iter() {
             seen[u as usize] = false;
         }
-        (area > 0.0).then(|| bend / area)
+        (bend, area, border)
     }
 
     /// The same at every `step`-th vertex, on all cores.

@@ -43,7 +43,7 @@ impl MorseFunction {
 }
 
 /// Differences of a function that mean nothing, in its unit: of average distance one percent of its mean, which is what it is good to;
-/// of curvature a twentieth of its range or six times its roughness, whichever is more; of heights eight times their roughness.
+/// of curvature a twentieth of its range or eight times its roughness, whichever is more; of heights eight times their roughness.
 pub fn noise(
     function: MorseFunction,
     values: impl Iterator<Item = f64> + Clone,
@@ -57,7 +57,7 @@ pub fn noise(
     let range = (hi - lo).max(0.0);
     let own = match function {
         MorseFunction::Height | MorseFunction::Projection => 8.0 * roughness,
-        MorseFunction::MeanCurvature => (0.05 * range).max(6.0 * roughness),
+        MorseFunction::MeanCurvature => (0.05 * range).max(8.0 * roughness),
         MorseFunction::Geodesic => {
             0.01 * values.clone().sum::<f64>() / values.count().max(1) as f64
         }

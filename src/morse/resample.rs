@@ -23,6 +23,8 @@ pub struct Samples {
     pub net: Net,
     /// Area that each seed stands for, mm2.
     pub area: Vec<f64>,
+    /// Mean distance of that area from its seed, mm.
+    pub inner: Vec<f64>,
     /// Seed of each vertex of the piece.
     pub seed_of: Vec<u32>,
     /// Spacing, mm.
@@ -53,18 +55,23 @@ pub fn sampled(points: &[Point], triangles: &[[u32; 3]], area: f64, wanted: usiz
     }
 
     let mut own = vec![0.0; chosen.len()];
+    let mut inner = vec![0.0; chosen.len()];
     let mut joint: Vec<([u32; 3], u32)> = Vec::new();
     for (k, t) in triangles.iter().enumerate() {
         let [a, b, c] = t.map(|v| fine.points[v as usize]);
         let third = (b - a).cross(&(c - a)).norm() / 6.0;
         let mut s = t.map(|v| seed_of[v as usize]);
-        for &i in &s {
+        for (p, &i) in [a, b, c].iter().zip(&s) {
             own[i as usize] += third;
+            inner[i as usize] += third * (p - fine.points[chosen[i as usize] as usize]).norm();
         }
         s.sort_unstable();
         if s[0] != s[1] && s[1] != s[2] {
             joint.push((s, k as u32));
         }
+    }
+    for (sum, area) in inner.iter_mut().zip(&own) {
+        *sum /= f64::max(*area, 1e-300);
     }
     joint.sort_unstable();
     joint.dedup_by_key(|j| j.0);
@@ -83,6 +90,7 @@ pub fn sampled(points: &[Point], triangles: &[[u32; 3]], area: f64, wanted: usiz
             joint.into_iter().map(|j| j.0).collect(),
         ),
         area: own,
+        inner,
         seed_of,
         spacing,
     }

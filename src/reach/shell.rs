@@ -438,6 +438,7 @@ mod tests {
 
     fn compare(mesh: &Mesh, radius: f64, step: f64, shift: f64) {
         let cutter = DropCutter::new(mesh, radius);
+        let needle = DropCutter::new(mesh, 1e-9);
         let b = cutter.bounds();
         let room = radius + step;
         let lattice = Lattice::covering(
@@ -461,11 +462,7 @@ mod tests {
                 Some(z) => assert!((surface.z[i] - z).abs() < 1e-9, "{q}: {} {z}", surface.z[i]),
                 None => {
                     // On the outline, within rounding, a place is over the part or not.
-                    let near = [-1e-9, 1e-9].iter().any(|d| {
-                        [-1e-9, 1e-9]
-                            .iter()
-                            .any(|e| cutter.surface_z(q.x + d, q.y + e).is_some())
-                    });
+                    let near = needle.drop(q.x, q.y).is_some();
                     assert!(near || surface.z[i] == f64::NEG_INFINITY, "{q}");
                 }
             }

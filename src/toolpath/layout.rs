@@ -7,7 +7,7 @@
 use super::chain::{Chain, ChainOptions, chains};
 use super::detail::Detail;
 use super::even::{EvenOptions, correction};
-use super::fill::{FillOptions, cusps_at_nodes, fill};
+use super::fill::{FillOptions, FillReport, cusps_at_nodes, fill};
 use super::fit::FitOptions;
 use super::link::{Air, LinkOptions, link};
 use super::order::order;
@@ -50,6 +50,8 @@ pub(super) struct Bench<'a> {
     pub options: &'a PlanOptions,
     pub links: &'a LinkOptions,
     pub weigh: Weigh<'a>,
+    /// What stands over is filled; a raster to compare with needs none.
+    pub closed_loop: bool,
 }
 
 /// Cusps are planned at one of these shares of what is wanted; the rest is for what the field, the fit and the rounding take, and for
@@ -151,6 +153,7 @@ fn lay_at(bench: &Bench, layout: &Layout, share: f64, stage: &mut dyn FnMut(Stag
         options,
         links,
         weigh,
+        closed_loop,
     } = *bench;
     let (grid, cutter) = (&ground.grid, &ground.cutter);
     stage(Stage::Features);
@@ -173,11 +176,9 @@ fn lay_at(bench: &Bench, layout: &Layout, share: f64, stage: &mut dyn FnMut(Stag
     let first = |regions: &Regions| passes(grid, cutter, regions, &draft, &detail.steep, &fitting);
     if is_raster {
         // Its one step is measured, not reckoned: as wide as its worst place allows.
-        for _ in 0..2 {
-            let cusps = cusps_at_nodes(grid, reach, &first(&regions));
-            let worst = highest_inside(grid, &cusps);
-            widen(&mut regions, (options.scallop / worst).sqrt().clamp(0.5, 2.0));
-        }
+        let cusps = cusps_at_nodes(grid, reach, &first(&regions));
+        let worst = highest_inside(grid, &cusps);
+        widen(&mut regions, (options.scallop / worst).sqrt().clamp(0.5, 2.0));
     } else if layout_ruler(layout) == Ruler::IsoScallop {
         let cusps = cusps_at_nodes(grid, reach, &first(&regions));
         let how = EvenOptions {
@@ -211,7 +212,11 @@ fn lay_at(bench: &Bench, layout: &Layout, share: f64, stage: &mut dyn FnMut(Stag
         keep: 0.75,
         rounds: 6,
     };
-    let fill = fill(grid, &regions, reach, &mut all, &to_fill, &fitting);
+    let fill = if closed_loop {
+        fill(grid, &regions, reach, &mut all, &to_fill, &fitting)
+    } else {
+        FillReport::default()
+    };
     stage(Stage::Link);
     joined.extend(chains(cutter, all.split_off(before), &how, links, &fitting));
     let ordered = order(joined, home(cutter));
@@ -234,7 +239,7 @@ fn lay_at(bench: &Bench, layout: &Layout, share: f64, stage: &mut dyn FnMut(Stag
     }
 }
 
-/// The two rasters that a plan is compared with: linked staying down, and retracting after each pass. A plan that is the first of them
+/// The two rasters that a plan is compared with: linked staying down, and retracting to the safe height after each pass. A plan that is the first of them
 /// already needs only the other.
 pub(super) fn rasters(
     bench: &Bench,
@@ -246,7 +251,11 @@ pub(super) fn rasters(
     let own;
     let raster = match &raster {
         Some(layout) => {
-            own = lay(bench, layout, stage);
+            let open = Bench {
+                closed_loop: false,
+                ..*bench
+            };
+            own = lay(&open, layout, stage);
             out.extend(own.candidates.iter().cloned());
             &own
         }
@@ -261,6 +270,7 @@ pub(super) fn rasters(
         .collect();
     let links = LinkOptions {
         retract_worth: f64::NEG_INFINITY,
+        retract_center_z: bench.links.safe_center_z,
         ..*bench.links
     };
     let (cutter, count) = (&bench.ground.cutter, apart.len());

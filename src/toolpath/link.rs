@@ -32,6 +32,8 @@ pub struct LinkOptions {
     pub block_center_z: f64,
     /// Height of the ball's centre at which everything is clear, mm.
     pub safe_center_z: f64,
+    /// Retracts go at least as high as this (a height of the ball's centre); -inf for no higher than is proven safe.
+    pub retract_center_z: f64,
     /// How much longer a link along the surface may take than a retract, s; -inf to retract after every pass.
     pub retract_worth: f64,
 }
@@ -205,7 +207,9 @@ impl Hop {
             Some(from) => {
                 let off = lead::out(cutter, from, hint);
                 let out_z = air.from(off.end.x, off.end.y, hint).max(off.end.z);
-                let top_z = (air.along(&off.end, &p).max(out_z) + options.clearance).max(over_z);
+                let top_z = (air.along(&off.end, &p).max(out_z) + options.clearance)
+                    .max(over_z)
+                    .max(options.retract_center_z);
                 Hop {
                     off: Some(off),
                     out_z,

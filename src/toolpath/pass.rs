@@ -119,7 +119,7 @@ pub fn passes(
                     .into_iter()
                     .flat_map(|(piece, closed)| match how.detail {
                         Fitted::Proven => laid(cutter, &piece, closed, fitting),
-                        Fitted::Draft => vec![(dropped(cutter, &piece), closed)],
+                        Fitted::Draft => vec![(dropped(cutter, &piece, fitting.gouge), closed)],
                     })
                     // What touches the ground in one place is no pass, but a plunge for nothing.
                     .filter(|(points, _)| points.len() > 1)
@@ -138,14 +138,37 @@ pub fn passes(
     out
 }
 
-/// The ball at every point of a curve in plan where it rests.
-fn dropped(cutter: &DropCutter, curve: &[Point2]) -> Vec<Point> {
+/// The ball at the points of a curve in plan where it rests, but for those that lie within `slack` of a straight line between others.
+fn dropped(cutter: &DropCutter, curve: &[Point2], slack: f64) -> Vec<Point> {
     let mut hint = Hint::default();
-    curve
+    let all: Vec<Point> = curve
         .iter()
         .filter_map(|q| cutter.drop_near(q.x, q.y, &mut hint).map(|c| c.center))
-        .collect()
+        .collect();
+    let straight = |i: usize, j: usize| {
+        let e = all[j] - all[i];
+        let l2 = e.norm_squared();
+        all[i + 1..j].iter().all(|p| {
+            let d = p - all[i];
+            let along = if l2 > 0.0 { d.dot(&e) / l2 } else { 0.0 };
+            (d - e * along).norm_squared() <= slack * slack
+        })
+    };
+    let mut out: Vec<Point> = all.first().copied().into_iter().collect();
+    let mut i = 0;
+    while i + 1 < all.len() {
+        let mut j = i + 1;
+        while j + 1 < all.len() && j + 1 - i <= LONGEST_DRAFT && straight(i, j + 1) {
+            j += 1;
+        }
+        out.push(all[j]);
+        i = j;
+    }
+    out
 }
+
+/// Points that one segment of a draft may stand for.
+const LONGEST_DRAFT: usize = 24;
 
 /// Drops and fits one curve in plan; a closed curve that stays whole comes back closed.
 pub fn laid(

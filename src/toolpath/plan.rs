@@ -302,6 +302,7 @@ pub fn plan<'g>(
         options,
         links,
         weigh,
+        closed_loop: true,
     };
     stage(Stage::Choose);
     let small = ground.grid.len() <= LAID_TWICE;

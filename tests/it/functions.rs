@@ -597,7 +597,7 @@ fn the_grids_functions_are_those_of_the_part() {
         "{}",
         at(0.2, 0.2)
     );
-    let points = GridMorse::new(&flat, &field).critical_points(0.02 * field.range());
+    let points = GridMorse::new(&flat, &field).critical_points(field.noise());
     assert_eq!(counts(&points)[2], 1, "one middle: {points:?}");
     assert_eq!(counts(&points)[0], 4, "four corners: {points:?}");
     let middle = points

@@ -17,6 +17,7 @@ mod toolpath;
 
 mod hostile;
 mod link;
+mod looks;
 mod recordings;
 
 mod refusals;

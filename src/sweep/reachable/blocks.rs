@@ -1,7 +1,7 @@
 //! What squares of nodes could do for a cell at best, so that most need not be looked at.
 
-use super::crease::{Extra, owned};
-use super::refine::Best;
+use super::crease::owned;
+use super::refine::{Best, Nodes};
 use crate::geom::Point2;
 use crate::sweep::Lattice;
 
@@ -16,8 +16,8 @@ struct Level {
     side: usize,
     nx: usize,
     ny: usize,
-    floor: Vec<Plane>,
-    has_extras: Vec<bool>,
+    /// Made when first asked for: smooth ground asks for few.
+    floor: Vec<Option<(Plane, bool)>>,
 }
 
 const SMALL: usize = 4;
@@ -84,38 +84,48 @@ impl Plane {
 }
 
 impl Level {
-    fn new(lattice: &Lattice, center_z: &[f64], extras: &[Extra], side: usize) -> Level {
+    fn new(lattice: &Lattice, side: usize) -> Level {
         let (nx, ny) = (lattice.nx.div_ceil(side), lattice.ny.div_ceil(side));
-        let half = 0.5 * side as f64 * lattice.step;
-        let mut balls = Vec::with_capacity(side * side);
-        let mut level = Level {
+        Level {
             side,
             nx,
             ny,
-            floor: Vec::with_capacity(nx * ny),
-            has_extras: Vec::with_capacity(nx * ny),
-        };
-        for block in 0..nx * ny {
-            let (x0, y0) = (block % nx * side, block / nx * side);
-            let (cx, cy) = (lattice.x(x0) + half, lattice.y(y0) + half);
-            balls.clear();
-            let mut has_extras = false;
-            for iy in y0..(y0 + side).min(lattice.ny) {
-                let row = lattice.index(x0, iy)..lattice.index((x0 + side).min(lattice.nx), iy);
-                for (ix, &c) in (x0..).zip(&center_z[row.clone()]) {
-                    if c > f64::NEG_INFINITY {
-                        balls.push((lattice.x(ix) - cx, lattice.y(iy) - cy, c));
-                    }
-                }
-                for e in owned(extras, row) {
-                    has_extras = true;
-                    balls.push((e.center.x - cx, e.center.y - cy, e.center.z));
+            floor: vec![None; nx * ny],
+        }
+    }
+
+    /// The plane below a square, and whether there are extra balls in it.
+    #[inline]
+    fn floor(&mut self, nodes: &Nodes, bx: usize, by: usize) -> (Plane, bool) {
+        let block = by * self.nx + bx;
+        if let Some(p) = self.floor[block] {
+            return p;
+        }
+        let made = self.make(nodes, bx, by);
+        self.floor[block] = Some(made);
+        made
+    }
+
+    fn make(&self, nodes: &Nodes, bx: usize, by: usize) -> (Plane, bool) {
+        let (lattice, side) = (&nodes.lattice, self.side);
+        let half = self.half(lattice);
+        let (x0, y0) = (bx * side, by * side);
+        let (cx, cy) = (lattice.x(x0) + half, lattice.y(y0) + half);
+        let mut balls = Vec::with_capacity(side * side);
+        let mut has_extras = false;
+        for iy in y0..(y0 + side).min(lattice.ny) {
+            let row = lattice.index(x0, iy)..lattice.index((x0 + side).min(lattice.nx), iy);
+            for (ix, &c) in (x0..).zip(&nodes.balls.z[row.clone()]) {
+                if c > f64::NEG_INFINITY {
+                    balls.push((lattice.x(ix) - cx, lattice.y(iy) - cy, c));
                 }
             }
-            level.floor.push(Plane::below(&balls));
-            level.has_extras.push(has_extras);
+            for e in owned(&nodes.extras, row) {
+                has_extras = true;
+                balls.push((e.center.x - cx, e.center.y - cy, e.center.z));
+            }
         }
-        level
+        (Plane::below(&balls), has_extras)
     }
 
     fn half(&self, lattice: &Lattice) -> f64 {
@@ -142,20 +152,17 @@ impl Level {
 }
 
 impl Blocks {
-    pub(super) fn new(lattice: &Lattice, center_z: &[f64], extras: &[Extra]) -> Blocks {
+    pub(super) fn new(lattice: &Lattice) -> Blocks {
         Blocks {
-            small: Level::new(lattice, center_z, extras, SMALL),
-            large: Level::new(lattice, center_z, extras, LARGE),
+            small: Level::new(lattice, SMALL),
+            large: Level::new(lattice, LARGE),
         }
     }
 
     /// The small squares that may hold a ball which is better for one of some cells than the value it has.
-    pub(super) fn likely(
-        &self,
-        lattice: &Lattice,
-        asked: &[(Point2, f64)],
-        radius_sq: f64,
-    ) -> Vec<u32> {
+    pub(super) fn likely(&mut self, nodes: &Nodes, asked: &[(Point2, f64)]) -> Vec<u32> {
+        let lattice = &nodes.lattice;
+        let radius_sq = nodes.radius * nodes.radius;
         let mut out = Vec::new();
         let (mut lo, mut hi) = (
             Point2::new(f64::INFINITY, f64::INFINITY),
@@ -179,23 +186,22 @@ impl Blocks {
             gy: -p.gy,
         };
         let reach = radius_sq.sqrt() + cells;
-        let (large, small) = (&self.large, &self.small);
+        let (large, small) = (&mut self.large, &mut self.small);
         let (origin, step) = (lattice.origin, lattice.step);
         let ratio = LARGE / SMALL;
         for by in large.span(mid.y, origin.y, step, reach, large.ny) {
             for bx in large.span(mid.x, origin.x, step, reach, large.nx) {
                 let r = large.from(lattice, &mid, bx, by);
-                let floor = &large.floor[by * large.nx + bx];
+                let (floor, _) = large.floor(nodes, bx, by);
                 if floor.clear_of(&over, r, large.half(lattice), cells, radius_sq) {
                     continue;
                 }
                 for sy in by * ratio..((by + 1) * ratio).min(small.ny) {
                     for sx in bx * ratio..((bx + 1) * ratio).min(small.nx) {
                         let r = small.from(lattice, &mid, sx, sy);
-                        let k = sy * small.nx + sx;
-                        if !small.floor[k].clear_of(&over, r, small.half(lattice), cells, radius_sq)
-                        {
-                            out.push(k as u32);
+                        let (floor, _) = small.floor(nodes, sx, sy);
+                        if !floor.clear_of(&over, r, small.half(lattice), cells, radius_sq) {
+                            out.push((sy * small.nx + sx) as u32);
                         }
                     }
                 }
@@ -205,18 +211,15 @@ impl Blocks {
     }
 
     /// The best ball of all in these squares whose underside over q is below `value`.
-    #[allow(clippy::too_many_arguments)]
     pub(super) fn below(
         &self,
         likely: &[u32],
-        lattice: &Lattice,
-        center_z: &[f64],
-        extras: &[Extra],
+        nodes: &Nodes,
         q: &Point2,
-        radius_sq: f64,
         value: f64,
     ) -> Option<Best> {
-        let small = &self.small;
+        let (lattice, small) = (&nodes.lattice, &self.small);
+        let radius_sq = nodes.radius * nodes.radius;
         let half = small.half(lattice);
         let mut best: Option<Best> = None;
         let mut limit = value;
@@ -229,7 +232,10 @@ impl Blocks {
                 gy: 0.0,
             };
             let r = small.from(lattice, q, bx, by);
-            if small.floor[k].clear_of(&over, r, half, 0.0, radius_sq) {
+            let Some((floor, has_extras)) = small.floor[k] else {
+                continue; // all that are likely have been made
+            };
+            if floor.clear_of(&over, r, half, 0.0, radius_sq) {
                 continue;
             }
             let xs = bx * SMALL..((bx + 1) * SMALL).min(lattice.nx);
@@ -251,11 +257,11 @@ impl Blocks {
                 };
                 for ix in xs.clone() {
                     let i = lattice.index(ix, iy);
-                    offer(i, lattice.x(ix), lattice.y(iy), center_z[i]);
+                    offer(i, lattice.x(ix), lattice.y(iy), nodes.balls.z[i]);
                 }
-                if small.has_extras[k] {
+                if has_extras {
                     let row = lattice.index(xs.start, iy)..lattice.index(xs.end, iy);
-                    for e in owned(extras, row) {
+                    for e in owned(&nodes.extras, row) {
                         offer(e.owner as usize, e.center.x, e.center.y, e.center.z);
                     }
                 }

@@ -79,7 +79,7 @@ impl Nodes {
     /// Fills in heights, nodes and normals of the cells of `out`, whose first cell has this column and row in the whole lattice.
     /// `top`: the part over them.
     pub(super) fn reached(&self, top: &Heights, first: [usize; 2], out: &mut Reachable) {
-        let blocks = Blocks::new(&self.lattice, &self.balls.z, &self.extras);
+        let mut blocks = Blocks::new(&self.lattice);
         let f = Underside::new(&self.lattice, &self.balls.z, self.radius);
         let (nx, ny) = (out.lattice.nx, out.lattice.ny);
         let shift = [first[0] - self.first[0], first[1] - self.first[1]];
@@ -111,7 +111,7 @@ impl Nodes {
                     }
                 }
                 if !hard.is_empty() {
-                    self.proven(&f, &blocks, top, &mut hard);
+                    self.proven(&f, &mut blocks, top, &mut hard);
                     for h in &hard {
                         out.reach_z[h.cell] = h.best.value;
                         out.by[h.cell] = self.offset(h.at, h.best.node);
@@ -262,7 +262,7 @@ impl Nodes {
 
     /// Nothing reaches below the part, so a cell whose underside lies on the part is done; any other of a square's hard cells is
     /// compared with every ball that could be lower.
-    fn proven(&self, f: &Underside, blocks: &Blocks, top: &Heights, hard: &mut [Hard]) {
+    fn proven(&self, f: &Underside, blocks: &mut Blocks, top: &Heights, hard: &mut [Hard]) {
         let open = |h: &Hard| (h.best.value - top.z[h.cell]) * self.normal(&h.best) > PROVEN;
         let asked: Vec<(Point2, f64)> = hard
             .iter()
@@ -272,18 +272,10 @@ impl Nodes {
         if asked.is_empty() {
             return;
         }
-        let likely = blocks.likely(&self.lattice, &asked, f.radius_sq);
+        let likely = blocks.likely(self, &asked);
         for h in hard.iter_mut().filter(|h| open(h)) {
             let q = self.lattice.center(h.at[0], h.at[1]);
-            let found = blocks.below(
-                &likely,
-                &self.lattice,
-                &self.balls.z,
-                &self.extras,
-                &q,
-                f.radius_sq,
-                h.best.value,
-            );
+            let found = blocks.below(&likely, self, &q, h.best.value);
             if let Some(better) = found {
                 let better = self.refined(f, h.at, better);
                 if better.value < h.best.value {
