@@ -284,6 +284,7 @@ fn on_grid(
         wall_angle: DEFAULT_WALL_ANGLE,
         floor: None,
         flute: a.tool.tool.flute_length(),
+        deepest: f64::INFINITY,
     };
     let mut stage = |at: Stage| {
         let (name, words) = show::stage_words(at);

@@ -350,6 +350,11 @@ fn settle(a: &MillArgs) -> Result<Settings, Failure> {
         wall_angle: a.wall_angle,
         floor: a.floor,
         flute: a.tool.tool.flute_length(),
+        deepest: match a.stock {
+            StockArg::Allowance(_) => f64::INFINITY,
+            // Into the full block: no deeper than the tool is thick.
+            StockArg::Block => 2.0 * a.tool.tool.radius,
+        },
     };
     Ok(Settings {
         machine,

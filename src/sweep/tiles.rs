@@ -39,6 +39,8 @@ pub struct ReachTiles<'a> {
 const SIDE: usize = 512;
 /// Parts of up to this many cells (24 bytes each) are kept.
 const KEPT: usize = 1 << 24;
+/// Tiles reckoned to be in work at once.
+const WORKERS: u64 = 4;
 /// Bytes of a tile in work, for each of its cells and those around it that matter.
 const WORKING: u64 = 100;
 
@@ -54,7 +56,8 @@ pub(super) fn tile_bytes(lattice: &Lattice, radius: f64) -> u64 {
     let kept = if lattice.len() <= KEPT { 24 * cells } else { 0 };
     let wide = side(lattice, radius) as u64 + 2 * (radius / lattice.step) as u64 + 128;
     let tile = (wide * wide).min(cells) * WORKING;
-    kept + tile * rayon::current_num_threads() as u64
+    // Not the threads there are: the figure is part of a report that is the same on any machine.
+    kept + tile * WORKERS
         + 16 * cells.min(crate::sweep::finish::MAP_CELLS as u64)
 }
 

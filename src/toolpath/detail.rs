@@ -39,6 +39,7 @@ impl<'a> Detail<'a> {
                 stepover: flat_stepover(PLAN_SHARES[0] * options.scallop, cutter.radius()),
                 floor: options.floor.unwrap_or(cutter.bounds().min.z),
                 flute: options.flute,
+                deepest: options.deepest,
                 off_wall: pencil.off_wall,
             },
         );

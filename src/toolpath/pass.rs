@@ -119,7 +119,7 @@ pub fn passes(
                     .into_iter()
                     .flat_map(|(piece, closed)| match how.detail {
                         Fitted::Proven => laid(cutter, &piece, closed, fitting),
-                        Fitted::Draft => vec![(dropped(cutter, &piece, fitting.gouge), closed)],
+                        Fitted::Draft => vec![(dropped(cutter, &piece, 0.3 * fitting.gouge), closed)],
                     })
                     // What touches the ground in one place is no pass, but a plunge for nothing.
                     .filter(|(points, _)| points.len() > 1)

@@ -82,6 +82,8 @@ pub struct PlanOptions {
     pub floor: Option<f64>,
     /// Length of the flutes, mm.
     pub flute: f64,
+    /// Upright walls are cut this deep at once at most, mm.
+    pub deepest: f64,
 }
 
 /// Stages of planning, in order; for progress and timing.

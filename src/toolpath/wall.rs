@@ -34,6 +34,8 @@ pub struct WallOptions {
     pub floor: f64,
     /// Length of the flutes from the tip, mm.
     pub flute: f64,
+    /// An upright wall is cut this deep at once at most, mm; the whole length of the flutes where only an allowance stands on it.
+    pub deepest: f64,
     /// Room kept to the wall, mm: chords stay within half of it.
     pub off_wall: f64,
 }
@@ -157,6 +159,23 @@ pub struct Uprights<'a> {
     radius: f64,
 }
 
+impl WallOptions {
+    /// Upright walls are looked at in steps of this height, mm.
+    fn step(&self) -> f64 {
+        // Twice along the flutes, so that a wall under a sloping top is cut with most of their length.
+        if self.at_once() {
+            0.5 * self.flute
+        } else {
+            self.deepest
+        }
+    }
+
+    /// Whether an upright wall is cut by the deepest pass that the flutes allow, and no other.
+    fn at_once(&self) -> bool {
+        self.deepest >= self.flute
+    }
+}
+
 impl<'a> Uprights<'a> {
     /// Sorts the upright triangles for a ball of this radius, mm.
     pub fn new(mesh: &'a Mesh, radius: f64) -> Uprights<'a> {
@@ -247,6 +266,17 @@ fn section_distance(t: &[Point; 3], q: &Point2, z: f64) -> f64 {
     (a + e * s - q).norm()
 }
 
+/// A height at which walls are cut.
+#[derive(Clone, Copy)]
+struct Level {
+    /// Of the ball's centre, mm.
+    z: f64,
+    /// Upright walls too, not only those that cusps stand on.
+    uprights: bool,
+    /// No upright wall is cut below it.
+    lowest: bool,
+}
+
 /// A place where a height is crossed: on the low side of it.
 #[derive(Clone, Copy)]
 struct Cross {
@@ -279,6 +309,8 @@ pub fn walls(
     let levels: Vec<f64> = (first..=last)
         .map(|k| base + k as f64 * o.stepover)
         .collect();
+    // The flutes cut an upright wall as high as they are long: it takes steps for the load, not for cusps.
+    let every = ((o.step() / o.stepover).floor() as i64).max(1);
     let value = |n: usize| grid.center_z[n].max(AIR);
     let mut too_deep = Vec::new();
     let mut by_level: Vec<Vec<(Vec<Cross>, bool)>> = vec![Vec::new(); levels.len() + 1];
@@ -294,7 +326,11 @@ pub fn walls(
                 steep,
                 &edges,
                 c.closed,
-                Some(levels[c.level]),
+                Some(Level {
+                    z: levels[c.level],
+                    uprights: (first + c.level as i64).rem_euclid(every) == 0,
+                    lowest: first + (c.level as i64) < every,
+                }),
             );
             (c.level, runs)
         })
@@ -315,7 +351,10 @@ pub fn walls(
                 .collect()
         })
         .collect();
-    (stacked(cutter, grid, regions, fitted, o, fitting), too_deep)
+    (
+        stacked(cutter, grid, regions, fitted, every as usize, o, fitting),
+        too_deep,
+    )
 }
 
 #[derive(Default)]
@@ -333,7 +372,7 @@ fn crossings(
     steep: &Steep,
     edges: &[(u32, u32)],
     closed: bool,
-    level: Option<f64>,
+    level: Option<Level>,
 ) -> Runs {
     let mut too_deep: Option<TooDeep> = None;
     let mut hint = Hint::default();
@@ -350,7 +389,7 @@ fn crossings(
                 (b, a)
             };
             let z = match level {
-                Some(z) => z,
+                Some(l) => l.z,
                 // Half way up the leap.
                 None => 0.5 * (grid.center_z[low].max(steep.options.floor) + grid.center_z[high]),
             };
@@ -359,7 +398,8 @@ fn crossings(
             let out = way / way.norm().max(1e-300);
             let leap = below.is_none_or(|c| c.center.z < z - LEAP);
             let z = match level {
-                Some(z) => z,
+                Some(l) if leap && !l.uprights => return None,
+                Some(l) => l.z,
                 None if leap => above.center.z - 2.0 * LEAP,
                 None => return None,
             };
@@ -376,6 +416,11 @@ fn crossings(
                             needs,
                         });
                     }
+                    return None;
+                }
+                // A deeper pass cuts here too.
+                let deeper = level.is_some_and(|l| !l.lowest);
+                if deeper && steep.options.at_once() && needs + steep.options.step() <= steep.options.flute {
                     return None;
                 }
             }
@@ -485,7 +530,13 @@ fn tops(
             1.0
         }
     };
-    let mut out: Vec<Runs> = level_curves(grid, &value, &[0.5])
+    // Around the outline the passes over the top run on beyond it.
+    let outline = if steep.options.at_once() {
+        Vec::new()
+    } else {
+        level_curves(grid, &value, &[0.5])
+    };
+    let mut out: Vec<Runs> = outline
         .par_iter()
         .map(|c| {
             let edges: Vec<(u32, u32)> = c.at.iter().map(|e| (e.a, e.b)).collect();
@@ -630,6 +681,23 @@ struct Stack {
     points: Vec<Point>,
     /// Level of the last run.
     level: usize,
+    /// Points at its end that go once round at the last height: not needed when a helix goes on down.
+    flat: usize,
+}
+
+/// The same run, but for its height, which falls evenly from `from` to its own.
+fn helix(from: f64, run: &[Point]) -> Vec<Point> {
+    let total: f64 = run.windows(2).map(|w| (w[1] - w[0]).norm()).sum();
+    let mut along = 0.0;
+    let mut out = Vec::with_capacity(run.len());
+    for (k, p) in run.iter().enumerate() {
+        if k > 0 {
+            along += (p - run[k - 1]).norm();
+        }
+        let share = if total > 0.0 { along / total } else { 1.0 };
+        out.push(Point::new(p.x, p.y, from + (p.z - from) * share));
+    }
+    out
 }
 
 /// Joins the runs of each level to those of the level above where the step down is free.
@@ -638,6 +706,7 @@ fn stacked(
     grid: &ToolCentreGrid,
     regions: &Regions,
     levels: Vec<Vec<(Vec<Point>, bool)>>,
+    every: usize,
     o: &WallOptions,
     fitting: &FitOptions,
 ) -> Vec<Pass> {
@@ -652,7 +721,7 @@ fn stacked(
                     continue;
                 };
                 // The first level is a rim of any height.
-                if stack.level + 1 < level && stack.level > 0 {
+                if stack.level + every < level && stack.level > 0 {
                     continue;
                 }
                 let n = run.len();
@@ -663,16 +732,34 @@ fn stacked(
                 };
                 for k in entries {
                     let d = (run[k] - end).norm();
-                    if d < 1.6 * o.stepover && best.is_none_or(|b| d < b.0) {
+                    let below = closed
+                        && (run[k].xy() - end.xy()).norm() < 0.5 * o.stepover
+                        && (end.z - run[k].z) < (every as f64 + 1.0) * o.stepover;
+                    if (d < 1.6 * o.stepover || below) && best.is_none_or(|b| d < b.0) {
                         best = Some((d, s, k));
                     }
                 }
             }
-            if let Some((_, s, k)) = best {
+            if let Some((d, s, k)) = best {
                 if closed {
                     run.rotate_left(k);
                 } else if k > 0 {
                     run.reverse();
+                }
+                if closed && d >= 1.6 * o.stepover {
+                    // Down an upright wall along a helix, and once round at its foot. Where the ball is free at a height it is free
+                    // above it.
+                    run.push(run[0]);
+                    let stack = &mut stacks[s];
+                    let keep = stack.points.len() - stack.flat;
+                    stack.points.truncate(keep);
+                    if let Some(from) = stack.points.last().copied() {
+                        stack.points.extend(helix(from.z, &run));
+                    }
+                    stack.flat = run.len() - 1;
+                    stack.points.extend(run.drain(1..));
+                    stack.level = level;
+                    continue;
                 }
                 let step = stacks[s]
                     .points
@@ -684,13 +771,18 @@ fn stacked(
                     }
                     stacks[s].points.extend(run);
                     stacks[s].level = level;
+                    stacks[s].flat = 0;
                     continue;
                 }
             }
             if closed {
                 run.push(run[0]);
             }
-            stacks.push(Stack { points: run, level });
+            stacks.push(Stack {
+                points: run,
+                level,
+                flat: 0,
+            });
         }
     }
     stacks
@@ -748,6 +840,7 @@ mod tests {
             stepover: 0.6,
             floor: cutter.bounds().min.z,
             flute,
+            deepest: 0.6,
             off_wall: 0.0024,
         };
         let steep = steep(&grid, &uprights, &options);

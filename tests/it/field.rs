@@ -11,7 +11,6 @@ use morsemill::field::march::Access;
 use morsemill::field::{Front, MarchOptions, Metric, Ruler, level_curves, march};
 use morsemill::geom::{Point, Point2, Vector, Vector2};
 use morsemill::reach::{DropCutter, GridOptions, GridPlan, NodeKind, ToolCentreGrid};
-use morsemill::toolpath::PLAN_SHARES;
 use morsemill::toolpath::plan::{Strategy, features, survey};
 use rayon::prelude::*;
 
@@ -351,7 +350,7 @@ fn the_promised_cusp_is_rarely_above_the_wanted_one() {
             Strategy::Isoplanar(30.0),
         ] {
             how.strategy = strategy;
-            let regions = features(&ground, how.strategy, PLAN_SHARES[0] * how.scallop);
+            let regions = features(&ground, how.strategy, SPACED_FOR * how.scallop);
             let (mut all, mut over, mut most) = (0u32, 0u32, 0.0f64);
             for i in 0..g.len() {
                 let Some(k) = usize::from(regions.label[i]).checked_sub(1) else {
@@ -399,6 +398,9 @@ fn the_promised_cusp_is_rarely_above_the_wanted_one() {
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
+
+/// Before anything is measured, passes spaced for this share of the cusp keep all but half a percent of the ground below it.
+const SPACED_FOR: f64 = 0.92;
 
 /// Share of the ground, %, that may be promised a higher cusp before filling.
 const STATED: f64 = 0.5;

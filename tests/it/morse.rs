@@ -144,6 +144,7 @@ pub fn options(scallop: f64) -> PlanOptions {
         wall_angle: 75.0,
         floor: None,
         flute: 20.0,
+        deepest: f64::INFINITY,
     }
 }
 

@@ -85,6 +85,8 @@ fn every_pass_point_is_a_resting_ball_and_every_chord_keeps_its_signed_tolerance
             .plan
             .passes
             .par_iter()
+            // Passes at constant height rest against a wall, not on the ground.
+            .filter(|pass| pass.kind != PassKind::Wall)
             .map(|pass| {
                 let run = pass.run();
                 for (k, c) in run.iter().enumerate() {
@@ -144,7 +146,8 @@ fn level_passes_close_or_end_on_a_border_or_a_rim() {
             .plan
             .passes
             .iter()
-            .filter(|q| q.kind == PassKind::Level && !q.closed)
+            // In a chain a loop ends where it began.
+            .filter(|q| q.kind == PassKind::Level && !q.closed && q.points.first() != q.points.last())
         {
             let own = pass.feature.unwrap();
             let free = &p.plan.regions.features[own].free;
