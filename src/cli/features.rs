@@ -14,7 +14,7 @@ use crate::morse::{
 };
 use crate::part::{Loaded, Placement};
 use crate::reach::DropCutter;
-use crate::toolpath::{PLAN_SHARES, DEFAULT_WALL_ANGLE, PlanOptions, Stage, flat_stepover, plan};
+use crate::toolpath::{DEFAULT_WALL_ANGLE, PLAN_SHARES, PlanOptions, Stage, flat_stepover, plan};
 use std::io::{self, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;

@@ -13,8 +13,8 @@ use crate::simulate::{DryRun, DryRunOptions, Kind, PartContext, Stock, dry_run};
 use crate::sweep::{Rest, RestOptions, rest};
 use crate::toolpath::plan::{self, Plan};
 use crate::toolpath::{
-    ArcOptions, DEFAULT_WALL_ANGLE, FILL_START, Figures, FitReport, Ground, LinkOptions, PlanOptions, RETRACT_WORTH,
-    Stage, Strategy, Toolpath, arcs, proof,
+    ArcOptions, DEFAULT_WALL_ANGLE, FILL_START, Figures, FitReport, Ground, LinkOptions,
+    PlanOptions, RETRACT_WORTH, Stage, Strategy, Toolpath, arcs, proof,
 };
 use crate::units::{MmPerMin, Rpm, Seconds};
 use crate::verify::{Deviation, dialect_of, verify};
@@ -394,7 +394,10 @@ pub fn run(a: &MillArgs) -> Result<ExitCode, Failure> {
     let radius = a.tool.tool.radius;
     let mut progress = Progress::new();
     if a.arcs && !s.post.arcs {
-        say(&format!("note: --arcs: post {} has no arcs; the program will be of straight lines", s.post.name));
+        say(&format!(
+            "note: --arcs: post {} has no arcs; the program will be of straight lines",
+            s.post.name
+        ));
     }
     progress.stage("import", "reading the part");
     let (loaded, placement) = a.placing.load(&a.part)?;

@@ -62,22 +62,40 @@ pub fn farthest(grid: &ToolCentreGrid, d: &Vector2) -> Option<usize> {
 
 /// The outermost ground of each row (or column), where the border does not run more than 45 degrees off across some steps.
 fn side(grid: &ToolCentreGrid, along_x: bool, up: bool) -> Vec<usize> {
-    let (lines, length) = if along_x { (grid.ny, grid.nx) } else { (grid.nx, grid.ny) };
-    let node = |line: usize, k: usize| if along_x { line * grid.nx + k } else { k * grid.nx + line };
+    let (lines, length) = if along_x {
+        (grid.ny, grid.nx)
+    } else {
+        (grid.nx, grid.ny)
+    };
+    let node = |line: usize, k: usize| {
+        if along_x {
+            line * grid.nx + k
+        } else {
+            k * grid.nx + line
+        }
+    };
     let outermost: Vec<Option<usize>> = (0..lines)
         .map(|l| {
             let is = |k: &usize| grid.kind[node(l, *k)] == NodeKind::Ground;
-            if up { (0..length).rev().find(is) } else { (0..length).find(is) }
+            if up {
+                (0..length).rev().find(is)
+            } else {
+                (0..length).find(is)
+            }
         })
         .collect();
     // The outermost of all, and from there along the border both ways while it does not turn away.
     let best = (0..lines)
         .filter_map(|l| outermost[l].map(|k| (if up { k as i64 } else { -(k as i64) }, l)))
         .reduce(|a, b| if b.0 > a.0 { b } else { a });
-    let Some((_, start)) = best else { return Vec::new() };
+    let Some((_, start)) = best else {
+        return Vec::new();
+    };
     let run = 4;
     let goes_on = |l: usize, from: usize| -> bool {
-        let (Some(a), Some(b)) = (outermost[l], outermost[from]) else { return false };
+        let (Some(a), Some(b)) = (outermost[l], outermost[from]) else {
+            return false;
+        };
         a.abs_diff(b) <= l.abs_diff(from)
     };
     let mut kept = vec![start];

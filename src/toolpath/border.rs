@@ -57,10 +57,7 @@ pub fn border(
     for curve in level_curves(grid, &value, &[0.5]) {
         let places: Vec<Place> = curve.at.iter().filter_map(|e| crossing(e.a, e.b)).collect();
         for (stretch, closed) in stretches(&places, curve.closed, regions) {
-            let feature = stretch
-                .first()
-                .and_then(|&i| places[i].field)
-                .map(|f| f.0);
+            let feature = stretch.first().and_then(|&i| places[i].field).map(|f| f.0);
             let at: Vec<Point2> = stretch.iter().map(|&i| places[i].at).collect();
             let mut even = resample(&at, closed, 0.7 * grid.step);
             // Border centres jump from facet to facet with their normals; rolling a little round the outline costs nothing.
@@ -119,7 +116,9 @@ fn stretches(places: &[Place], closed: bool, regions: &Regions) -> Vec<(Vec<usiz
     }
     let mut needed: Vec<(Vec<usize>, bool)> = Vec::new();
     for (run, whole) in runs {
-        let (Some(&a), Some(&b)) = (run.first(), run.last()) else { continue };
+        let (Some(&a), Some(&b)) = (run.first(), run.last()) else {
+            continue;
+        };
         let (Some((feature, u)), Some((_, v))) = (places[a].field, places[b].field) else {
             // Ground without a field: nothing else cuts it.
             needed.push((run, whole));
@@ -127,10 +126,17 @@ fn stretches(places: &[Place], closed: bool, regions: &Regions) -> Vec<(Vec<usiz
         };
         let levels = &regions.features[feature].levels;
         let values = run.iter().filter_map(|&i| places[i].field.map(|f| f.1));
-        let (lo, hi) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |r, v| (r.0.min(v), r.1.max(v)));
+        let (lo, hi) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |r, v| {
+            (r.0.min(v), r.1.max(v))
+        });
         let beyond = if cuts.is_empty() {
             // No pass comes to this border at all: how far is the nearest one?
-            let nearest = |v: f64| levels.iter().map(|l| (l - v).abs()).fold(f64::INFINITY, f64::min);
+            let nearest = |v: f64| {
+                levels
+                    .iter()
+                    .map(|l| (l - v).abs())
+                    .fold(f64::INFINITY, f64::min)
+            };
             nearest(lo).max(nearest(hi))
         } else {
             (hi - u.max(v)).max(u.min(v) - lo)

@@ -64,11 +64,15 @@ fn joined(
     let mut plans: Vec<Vec<(Pass, Option<Turn>)>> = Vec::new();
     while let Some(&first) = alive.first() {
         alive.remove(0);
-        let Some(start) = left[first].take() else { continue };
+        let Some(start) = left[first].take() else {
+            continue;
+        };
         let mut chain = vec![(start, None)];
         let mut turned = false;
         loop {
-            let Some(from) = chain.last().and_then(|(p, _)| exit(p)) else { break };
+            let Some(from) = chain.last().and_then(|(p, _)| exit(p)) else {
+                break;
+            };
             match next(&from, &alive, &ends, reach, links) {
                 Some((k, way, entry)) => {
                     let i = alive.remove(k);
@@ -80,7 +84,8 @@ fn joined(
                 // An open chain may go on from its other end, once.
                 None if !turned && !chain[0].0.closed && chain.len() > 1 => {
                     let from = exit(&reversed(&chain[0].0));
-                    let more = from.is_some_and(|f| next(&f, &alive, &ends, reach, links).is_some());
+                    let more =
+                        from.is_some_and(|f| next(&f, &alive, &ends, reach, links).is_some());
                     if !more {
                         break;
                     }
@@ -112,16 +117,29 @@ fn reversed(p: &Pass) -> Pass {
 
 /// The same chain from its end: turns are symmetrical.
 fn backwards(chain: Vec<(Pass, Option<Turn>)>) -> Vec<(Pass, Option<Turn>)> {
-    let mut turns: Vec<Option<Turn>> = chain.iter().skip(1).map(|(_, t)| t.as_ref().map(Turn::reversed)).collect();
+    let mut turns: Vec<Option<Turn>> = chain
+        .iter()
+        .skip(1)
+        .map(|(_, t)| t.as_ref().map(Turn::reversed))
+        .collect();
     turns.push(None);
-    let mut out: Vec<(Pass, Option<Turn>)> = chain.into_iter().map(|(p, _)| reversed(&p)).zip(turns).collect();
+    let mut out: Vec<(Pass, Option<Turn>)> = chain
+        .into_iter()
+        .map(|(p, _)| reversed(&p))
+        .zip(turns)
+        .collect();
     out.reverse();
     // After the reversal each turn leads to the pass behind it: the first has none.
     out
 }
 
 /// Lays the turns of a chain on the surface; where one cannot be laid the chain is cut in two.
-fn lay(cutter: &DropCutter, chain: Vec<(Pass, Option<Turn>)>, links: &LinkOptions, fitting: &FitOptions) -> Vec<Chain> {
+fn lay(
+    cutter: &DropCutter,
+    chain: Vec<(Pass, Option<Turn>)>,
+    links: &LinkOptions,
+    fitting: &FitOptions,
+) -> Vec<Chain> {
     let mut out: Vec<Chain> = Vec::new();
     let mut run: Chain = Vec::new();
     let joined = chain.len() > 1;
@@ -133,8 +151,17 @@ fn lay(cutter: &DropCutter, chain: Vec<(Pass, Option<Turn>)>, links: &LinkOption
             p.closed = false;
         }
         if let (Some(way), Some(last)) = (way, run.last().and_then(|q| q.points.last().copied())) {
-            match p.points.first().and_then(|to| surface_link(cutter, &way, &last, to, links, fitting)) {
-                Some(points) => run.push(Pass { kind: PassKind::Turn, feature: p.feature, points, closed: false }),
+            match p
+                .points
+                .first()
+                .and_then(|to| surface_link(cutter, &way, &last, to, links, fitting))
+            {
+                Some(points) => run.push(Pass {
+                    kind: PassKind::Turn,
+                    feature: p.feature,
+                    points,
+                    closed: false,
+                }),
                 None => out.push(std::mem::take(&mut run)),
             }
         }
@@ -154,6 +181,11 @@ pub fn surface_link(
     links: &LinkOptions,
     fitting: &FitOptions,
 ) -> Option<Vec<Point>> {
+    // Turns are tight: a chord that strays as far as a pass may would be a corner.
+    let fitting = &FitOptions {
+        sideways: fitting.sideways.min(1.5 * fitting.gouge),
+        ..*fitting
+    };
     let mut runs = fit_between(cutter, &way.points(fitting.probe), from, to, fitting);
     if runs.len() != 1 {
         return None;
@@ -164,7 +196,10 @@ pub fn surface_link(
     if (points.first()? - from).norm() > close || (points.last()? - to).norm() > close {
         return None;
     }
-    let rise = points.windows(2).map(|w| (w[1].z - w[0].z).abs()).sum::<f64>();
+    let rise = points
+        .windows(2)
+        .map(|w| (w[1].z - w[0].z).abs())
+        .sum::<f64>();
     if rise > 2.0 * (way.length + (from.z - to.z).abs()) + links.clearance {
         return None;
     }
@@ -216,7 +251,12 @@ impl Entries {
             low = Point2::new(low.x.min(q.x), low.y.min(q.y));
             high = Point2::new(high.x.max(q.x), high.y.max(q.y));
         }
-        Entries { closed: p.closed, points, low, high }
+        Entries {
+            closed: p.closed,
+            points,
+            low,
+            high,
+        }
     }
 
     fn gap(&self, at: &Point2) -> f64 {
@@ -236,7 +276,13 @@ impl Entries {
             let d = self.points[j] - self.points[i];
             let l = d.norm();
             if l > 0.0 && (self.points[i] - at).norm() <= reach {
-                out.push((Pose { at: self.points[i], heading: d / l }, Entry { from: i, backwards }));
+                out.push((
+                    Pose {
+                        at: self.points[i],
+                        heading: d / l,
+                    },
+                    Entry { from: i, backwards },
+                ));
             }
         };
         if self.closed {
@@ -266,17 +312,29 @@ pub fn exit(p: &Pass) -> Option<Pose> {
 /// Where a pass begins and the way it is heading there.
 pub fn start(p: &Pass) -> Option<Pose> {
     let (a, b) = (p.points.first()?, p.points.get(1)?);
-    pose(a, b).map(|q| Pose { at: q.at, heading: -q.heading })
+    pose(a, b).map(|q| Pose {
+        at: q.at,
+        heading: -q.heading,
+    })
 }
 
 fn pose(at: &Point, behind: &Point) -> Option<Pose> {
     let d: Vector2 = at.xy() - behind.xy();
     let l = d.norm();
-    (l > 0.0).then(|| Pose { at: at.xy(), heading: d / l })
+    (l > 0.0).then(|| Pose {
+        at: at.xy(),
+        heading: d / l,
+    })
 }
 
 /// The pass (as an index into `alive`) that can be entered soonest from a pose.
-fn next(from: &Pose, alive: &[usize], ends: &[Entries], reach: f64, links: &LinkOptions) -> Option<(usize, Turn, Entry)> {
+fn next(
+    from: &Pose,
+    alive: &[usize],
+    ends: &[Entries],
+    reach: f64,
+    links: &LinkOptions,
+) -> Option<(usize, Turn, Entry)> {
     let mut best: Option<(f64, usize, Turn, Entry)> = None;
     for (k, &i) in alive.iter().enumerate() {
         if ends[i].gap(&from.at) > reach {
@@ -297,7 +355,9 @@ fn next(from: &Pose, alive: &[usize], ends: &[Entries], reach: f64, links: &Link
 }
 
 /// Radii tried for a turn, in shares of the one that the machine takes at full feed.
-const RADII: [f64; 5] = [1.0, 0.6, 0.36, 0.22, 0.13];
+const RADII: [f64; 4] = [1.0, 0.6, 0.36, TIGHTEST];
+/// Tighter turns, in the same shares, would be corners again to the last decimal of a program.
+const TIGHTEST: f64 = 0.22;
 
 /// The turn between two poses that takes least time, s: a wide one is long, a tight one slow.
 pub fn quickest_turn(from: &Pose, to: &Pose, links: &LinkOptions) -> (Turn, f64) {
@@ -307,7 +367,7 @@ pub fn quickest_turn(from: &Pose, to: &Pose, links: &LinkOptions) -> (Turn, f64)
         let d = to.at - from.at;
         0.5 * (d.x * from.heading.y - d.y * from.heading.x).abs()
     };
-    let own = (side > 0.05 * full && side < full).then_some(side);
+    let own = (side > TIGHTEST * full && side < full).then_some(side);
     let mut best = (turn(from, to, full), f64::INFINITY);
     best.1 = turn_time(&best.0, links);
     for r in RADII[1..].iter().map(|r| r * full).chain(own) {

@@ -10,11 +10,7 @@ pub fn round_corners(curve: &mut [Point2], closed: bool, radius: f64, rounds: us
     if n < 3 {
         return;
     }
-    let gap = curve
-        .windows(2)
-        .map(|w| (w[1] - w[0]).norm())
-        .sum::<f64>()
-        / (n - 1) as f64;
+    let gap = curve.windows(2).map(|w| (w[1] - w[0]).norm()).sum::<f64>() / (n - 1) as f64;
     if gap <= 0.0 {
         return;
     }

@@ -52,7 +52,9 @@ pub(super) fn best_source(bench: &Bench) -> Source {
 pub(super) fn best_raster_angle(bench: &Bench) -> f64 {
     let grid = coarser(&bench.ground.grid);
     let metric = Metric::new(&grid, Ruler::IsoScallop, bench.options.scallop);
-    let angles: Vec<f64> = (0..ANGLES).map(|k| 180.0 * k as f64 / ANGLES as f64).collect();
+    let angles: Vec<f64> = (0..ANGLES)
+        .map(|k| 180.0 * k as f64 / ANGLES as f64)
+        .collect();
     let length: Vec<f64> = angles
         .par_iter()
         .map(|&a| raster_length(&grid, &metric, a))
@@ -109,7 +111,11 @@ fn time(bench: &Bench, grid: &ToolCentreGrid, metric: &Metric, regions: &Regions
                 .map(|w| {
                     let flat = (w[1].0 - w[0].0).norm();
                     let rise = w[1].1 - w[0].1;
-                    if rise.is_finite() { flat.hypot(rise) } else { flat }
+                    if rise.is_finite() {
+                        flat.hypot(rise)
+                    } else {
+                        flat
+                    }
                 })
                 .sum();
             sum += length / feed + turn;
@@ -128,7 +134,8 @@ fn time(bench: &Bench, grid: &ToolCentreGrid, metric: &Metric, regions: &Regions
 /// Whether the field rises by much less than its metric says.
 fn meets(grid: &ToolCentreGrid, metric: &Metric, value: &dyn Fn(usize) -> f64, i: usize) -> bool {
     let v = |d| grid.neighbour(i, d).map(value).filter(|v| v.is_finite());
-    let (Some(e), Some(w), Some(n), Some(s)) = (v((1, 0)), v((-1, 0)), v((0, 1)), v((0, -1))) else {
+    let (Some(e), Some(w), Some(n), Some(s)) = (v((1, 0)), v((-1, 0)), v((0, 1)), v((0, -1)))
+    else {
         return false;
     };
     let (gx, gy) = ((e - w) / (2.0 * grid.step), (n - s) / (2.0 * grid.step));

@@ -87,7 +87,10 @@ fn widest(of: &[f32], nx: usize, ny: usize, reach: usize) -> Vec<f32> {
     rows.par_chunks_mut(nx).enumerate().for_each(|(y, row)| {
         for (x, v) in row.iter_mut().enumerate() {
             let (a, b) = (x.saturating_sub(reach), (x + reach).min(nx - 1));
-            *v = of[y * nx + a..=y * nx + b].iter().copied().fold(0.0, f32::max);
+            *v = of[y * nx + a..=y * nx + b]
+                .iter()
+                .copied()
+                .fold(0.0, f32::max);
         }
     });
     let mut out = vec![0.0f32; nx * ny];

@@ -274,10 +274,7 @@ impl Crests {
     /// A row of places (in cells; the first and the last lie beyond the cells they were led from) as a curve of ball centres in plan.
     fn along(&self, row: &[Point2]) -> Vec<Point2> {
         let n = row.len();
-        let mut curve: Vec<Point2> = row[1..n - 1]
-            .iter()
-            .filter_map(|p| self.near(p))
-            .collect();
+        let mut curve: Vec<Point2> = row[1..n - 1].iter().filter_map(|p| self.near(p)).collect();
         if let (Some(&first), Some(&last)) = (curve.first(), curve.last()) {
             // The ends run on in plan as far as they do on the surface.
             curve.insert(0, first + (row[0] - row[1]) * self.lattice.step);

@@ -58,6 +58,10 @@ pub(super) struct Bench<'a> {
 /// facets and noise: ground that is rough by a few micrometres leaves higher cusps than its metric says. Where filling costs more than
 /// closer passes would, the next share is tried (with 5 um of noise, 0.7 h is a fifth shorter than 0.92 h and its 2,000 fills).
 pub const PLAN_SHARES: [f64; 5] = [0.96, 0.92, 0.86, 0.78, 0.70];
+/// The share for a part that is too large to be laid more than once.
+const ONE_SHARE: f64 = 0.92;
+/// Grids with more nodes than this are laid once: what to lay is decided from estimates, and nothing is laid only to compare with.
+const LAID_TWICE: usize = 3_000_000;
 /// Fills no longer than this share of the passes are not worth a second plan.
 const FILL_SHARE: f64 = 0.005;
 /// Fill where a cusp is higher than this share of what is wanted: below it lie what a lattice and a facet do to a measurement, and
@@ -87,9 +91,20 @@ pub fn sweep_step(cutter: &DropCutter, scallop: f64) -> f64 {
     (flat_stepover(scallop, r) / CELLS_PER_STEPOVER).max((area / CELLS).sqrt())
 }
 
+impl Bench<'_> {
+    /// Whether the part is small enough to be laid several times over.
+    pub fn small(&self) -> bool {
+        self.ground.grid.len() <= LAID_TWICE
+    }
+}
 
 /// Features of a layout, in a cusp metric whose unit is a cusp of `spaced_for` mm.
-pub(super) fn regions_of(ground: &Ground, layout: &Layout, spaced_for: f64, cusp: &Metric) -> Regions {
+pub(super) fn regions_of(
+    ground: &Ground,
+    layout: &Layout,
+    spaced_for: f64,
+    cusp: &Metric,
+) -> Regions {
     let grid = &ground.grid;
     let mut how = GrowOptions {
         ruler: Ruler::IsoScallop,
@@ -100,8 +115,15 @@ pub(super) fn regions_of(ground: &Ground, layout: &Layout, spaced_for: f64, cusp
     match layout {
         Layout::Features(strategy) => {
             how.ruler = strategy.ruler();
-            let own = (how.ruler != Ruler::IsoScallop).then(|| Metric::new(grid, how.ruler, spaced_for));
-            grow(grid, cusp, own.as_ref().unwrap_or(cusp), &ground.critical, &how)
+            let own =
+                (how.ruler != Ruler::IsoScallop).then(|| Metric::new(grid, how.ruler, spaced_for));
+            grow(
+                grid,
+                cusp,
+                own.as_ref().unwrap_or(cusp),
+                &ground.critical,
+                &how,
+            )
         }
         Layout::Whole(source) => whole(grid, cusp, cusp, source, &how),
         Layout::Raster(angle) => {
@@ -129,6 +151,9 @@ fn raster_source(grid: &ToolCentreGrid, ruler: Ruler) -> Source {
 
 /// Lays a layout at the first of the shares whose fills cost no more than closer passes would.
 pub(super) fn lay(bench: &Bench, layout: &Layout, stage: &mut dyn FnMut(Stage)) -> Plan {
+    if !bench.small() {
+        return lay_at(bench, layout, ONE_SHARE, stage);
+    }
     let mut best = lay_at(bench, layout, PLAN_SHARES[0], stage);
     for &share in &PLAN_SHARES[1..] {
         let passes: f64 = best.passes.iter().map(Pass::length).sum();
@@ -158,7 +183,11 @@ fn lay_at(bench: &Bench, layout: &Layout, share: f64, stage: &mut dyn FnMut(Stag
     let (grid, cutter) = (&ground.grid, &ground.cutter);
     stage(Stage::Features);
     let is_raster = matches!(layout, Layout::Raster(_));
-    let spaced_for = if is_raster { options.scallop } else { share * options.scallop };
+    let spaced_for = if is_raster {
+        options.scallop
+    } else {
+        share * options.scallop
+    };
     let fitting = FitOptions::for_scallop(options.scallop, cutter.radius());
     let mut metric = Metric::new(grid, Ruler::IsoScallop, spaced_for);
     let mut regions = regions_of(ground, layout, spaced_for, &metric);
@@ -178,7 +207,10 @@ fn lay_at(bench: &Bench, layout: &Layout, share: f64, stage: &mut dyn FnMut(Stag
         // Its one step is measured, not reckoned: as wide as its worst place allows.
         let cusps = cusps_at_nodes(grid, reach, &first(&regions));
         let worst = highest_inside(grid, &cusps);
-        widen(&mut regions, (options.scallop / worst).sqrt().clamp(0.5, 2.0));
+        widen(
+            &mut regions,
+            (options.scallop / worst).sqrt().clamp(0.5, 2.0),
+        );
     } else if layout_ruler(layout) == Ruler::IsoScallop {
         let cusps = cusps_at_nodes(grid, reach, &first(&regions));
         let how = EvenOptions {
@@ -275,7 +307,14 @@ pub(super) fn rasters(
     };
     let (cutter, count) = (&bench.ground.cutter, apart.len());
     let ordered = order(apart, home(cutter));
-    let (path, _) = link(cutter, bench.air, &ordered, &raster.regions, &links, &raster.fitting);
+    let (path, _) = link(
+        cutter,
+        bench.air,
+        &ordered,
+        &raster.regions,
+        &links,
+        &raster.fitting,
+    );
     let figures = (bench.weigh)(&path);
     let name = format!("{} retracting", raster.layout.name());
     out.push(Candidate::of(name, &path, count, figures));
@@ -304,7 +343,11 @@ fn highest_inside(grid: &ToolCentreGrid, cusps: &[f32]) -> f64 {
             .is_some_and(|j| grid.kind[j] == NodeKind::Ground)
     };
     (0..grid.len())
-        .filter(|&i| [(n, 0), (-n, 0), (0, n), (0, -n)].iter().all(|d| ground(i, *d)))
+        .filter(|&i| {
+            [(n, 0), (-n, 0), (0, n), (0, -n)]
+                .iter()
+                .all(|d| ground(i, *d))
+        })
         .map(|i| f64::from(cusps[i]))
         .fold(1e-6, f64::max)
 }

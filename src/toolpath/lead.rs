@@ -32,7 +32,11 @@ pub fn out(cutter: &DropCutter, pass: &Pass, hint: &mut Hint) -> Lead {
     let run = pass.run();
     let n = run.len();
     let end = run.last().copied().unwrap_or_else(Point::origin);
-    let heading = if n > 1 { end - run[n - 2] } else { Vector::zeros() };
+    let heading = if n > 1 {
+        end - run[n - 2]
+    } else {
+        Vector::zeros()
+    };
     match arc(cutter, end, heading, hint) {
         Some((points, length)) => Lead {
             end: points[points.len() - 1],
@@ -52,7 +56,11 @@ pub fn onto(cutter: &DropCutter, pass: &Pass, hint: &mut Hint) -> Lead {
             points.reverse();
             let end = points.remove(0);
             points.push(begin);
-            Lead { points, end, length }
+            Lead {
+                points,
+                end,
+                length,
+            }
         }
         None => none(begin),
     }
@@ -67,7 +75,12 @@ fn none(end: Point) -> Lead {
 }
 
 /// Points of the arc that leaves `at` along `heading` and bends upwards, without `at` itself.
-fn arc(cutter: &DropCutter, at: Point, heading: Vector, hint: &mut Hint) -> Option<(Vec<Point>, f64)> {
+fn arc(
+    cutter: &DropCutter,
+    at: Point,
+    heading: Vector,
+    hint: &mut Hint,
+) -> Option<(Vec<Point>, f64)> {
     let t = heading.try_normalize(1e-12)?;
     let flat = Vector::new(t.x, t.y, 0.0).try_normalize(1e-12)?;
     // Upwards across the heading, in the upright plane through it.

@@ -103,8 +103,9 @@ pub fn link(
     let mut last: Option<&Pass> = None;
     let mut section_features: Vec<Option<usize>> = Vec::new();
     let mut hint = Hint::default();
-    let go =
-        |moves: &mut Vec<Move>, kind: MoveKind, c: Point| moves.push(Move::straight(kind, c + down));
+    let go = |moves: &mut Vec<Move>, kind: MoveKind, c: Point| {
+        moves.push(Move::straight(kind, c + down))
+    };
     for chain in ordered {
         let Some(first) = chain.first().filter(|p| !p.points.is_empty()) else {
             continue;
@@ -156,7 +157,11 @@ pub fn link(
         go(
             &mut path.moves,
             MoveKind::Retract,
-            Point::new(c.x, c.y, options.safe_center_z.max(free + options.clearance)),
+            Point::new(
+                c.x,
+                c.y,
+                options.safe_center_z.max(free + options.clearance),
+            ),
         );
     }
     (path, section_features)
@@ -230,7 +235,11 @@ impl Hop {
             out.push((MoveKind::Link, Point::new(e.x, e.y, self.out_z)));
             out.push((MoveKind::Retract, Point::new(e.x, e.y, self.top_z)));
         }
-        let top = if first { options.safe_center_z.max(self.top_z) } else { self.top_z };
+        let top = if first {
+            options.safe_center_z.max(self.top_z)
+        } else {
+            self.top_z
+        };
         out.push((MoveKind::Rapid, Point::new(to.x, to.y, top)));
         if top > self.over_z || first {
             out.push((MoveKind::Rapid, Point::new(to.x, to.y, self.over_z)));

@@ -32,8 +32,8 @@ mod turn;
 pub mod wall;
 
 pub use arcs::{ArcOptions, arcs};
-pub use fit::{FitOptions, FitReport, proof};
 pub use detail::DEFAULT_WALL_ANGLE;
+pub use fit::{FitOptions, FitReport, proof};
 pub use layout::{FILL_START, Layout, PLAN_SHARES, flat_stepover};
 pub use link::{LinkOptions, RETRACT_WORTH};
 pub use moves::{Move, MoveKind, Section, Toolpath, Turn};

@@ -94,9 +94,17 @@ fn shorter(tour: Vec<Chain>, start: &Point) -> Vec<Chain> {
             for j in i..n {
                 // Reverse at[i..=j].
                 let old = (entry(at[i]) - before).norm()
-                    + if j + 1 < n { (entry(at[j + 1]) - exit(at[j])).norm() } else { 0.0 };
+                    + if j + 1 < n {
+                        (entry(at[j + 1]) - exit(at[j])).norm()
+                    } else {
+                        0.0
+                    };
                 let new = (exit(at[j]) - before).norm()
-                    + if j + 1 < n { (entry(at[j + 1]) - entry(at[i])).norm() } else { 0.0 };
+                    + if j + 1 < n {
+                        (entry(at[j + 1]) - entry(at[i])).norm()
+                    } else {
+                        0.0
+                    };
                 if new < old - 1e-9 {
                     at[i..=j].reverse();
                     at[i..=j].iter_mut().for_each(|p| p.1 = !p.1);

@@ -119,7 +119,9 @@ pub fn passes(
                     .into_iter()
                     .flat_map(|(piece, closed)| match how.detail {
                         Fitted::Proven => laid(cutter, &piece, closed, fitting),
-                        Fitted::Draft => vec![(dropped(cutter, &piece, 0.3 * fitting.gouge), closed)],
+                        Fitted::Draft => {
+                            vec![(dropped(cutter, &piece, 0.3 * fitting.gouge), closed)]
+                        }
                     })
                     // What touches the ground in one place is no pass, but a plunge for nothing.
                     .filter(|(points, _)| points.len() > 1)
@@ -301,17 +303,18 @@ fn on_ground(
     // Whether the run began on the border.
     let mut entered = false;
     let mut last: Option<usize> = None;
-    let mut ended = |mut run: Vec<Point2>, first: bool, last: bool, ask: &mut dyn FnMut(&Point2) -> bool| {
-        if last {
-            overrun(&mut run, stepover, ask);
-        }
-        if first {
-            run.reverse();
-            overrun(&mut run, stepover, ask);
-            run.reverse();
-        }
-        out.push((run, false));
-    };
+    let mut ended =
+        |mut run: Vec<Point2>, first: bool, last: bool, ask: &mut dyn FnMut(&Point2) -> bool| {
+            if last {
+                overrun(&mut run, stepover, ask);
+            }
+            if first {
+                run.reverse();
+                overrun(&mut run, stepover, ask);
+                run.reverse();
+            }
+            out.push((run, false));
+        };
     for k in 0..steps {
         let i = (start + k) % n;
         if let Some(j) = last
@@ -351,7 +354,11 @@ fn overrun(run: &mut Vec<Point2>, stepover: f64, ask: &mut dyn FnMut(&Point2) ->
     let n = run.len();
     // The heading over a third of a stepover: the last points are close together.
     let end = run[n - 1];
-    let Some(back) = run.iter().rev().find(|q| (end - *q).norm() > 0.3 * stepover) else {
+    let Some(back) = run
+        .iter()
+        .rev()
+        .find(|q| (end - *q).norm() > 0.3 * stepover)
+    else {
         return;
     };
     let along = (end - back).normalize();

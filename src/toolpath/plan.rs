@@ -194,7 +194,11 @@ impl Candidate {
                 .map(|w| (w[1].to - w[0].to).norm())
                 .sum(),
             passes,
-            retracts: path.moves.iter().filter(|m| m.kind == MoveKind::Retract).count(),
+            retracts: path
+                .moves
+                .iter()
+                .filter(|m| m.kind == MoveKind::Retract)
+                .count(),
             figures,
             chosen: false,
         }
@@ -277,9 +281,6 @@ pub fn features(ground: &Ground, strategy: Strategy, spaced_for: f64) -> Regions
     regions_of(ground, &Layout::Features(strategy), spaced_for, &cusp)
 }
 
-/// Grids with more nodes than this are laid once: what to lay is decided from estimates, and nothing is laid only to compare with.
-const LAID_TWICE: usize = 3_000_000;
-
 /// Plans the toolpath of a surveyed part (`part` is the mesh its cutter was made from). Also hands back the reachable surface it was
 /// judged against, in tiles.
 pub fn plan<'g>(
@@ -307,9 +308,10 @@ pub fn plan<'g>(
         closed_loop: true,
     };
     stage(Stage::Choose);
-    let small = ground.grid.len() <= LAID_TWICE;
+    let small = bench.small();
     let whole = || Layout::Whole(best_source(&bench));
-    let raster = |angle: Option<f64>| Layout::Raster(angle.unwrap_or_else(|| best_raster_angle(&bench)));
+    let raster =
+        |angle: Option<f64>| Layout::Raster(angle.unwrap_or_else(|| best_raster_angle(&bench)));
     let layouts: Vec<Layout> = match options.strategy {
         Strategy::Auto if small => vec![whole(), Layout::Features(Strategy::IsoScallop)],
         Strategy::Auto | Strategy::Whole => vec![whole()],
@@ -321,7 +323,11 @@ pub fn plan<'g>(
     // Ties go to the first.
     let best = (0..plans.len())
         .reduce(|a, b| {
-            if plans[b].figures.time_s < plans[a].figures.time_s { b } else { a }
+            if plans[b].figures.time_s < plans[a].figures.time_s {
+                b
+            } else {
+                a
+            }
         })
         .unwrap_or(0);
     for (k, c) in candidates.iter_mut().enumerate() {

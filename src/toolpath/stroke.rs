@@ -55,7 +55,10 @@ pub fn strokes(cells: &[(i64, i64)], stepover: f64) -> Vec<Vec<Point2>> {
         let mut curve: Vec<Point2> = row.iter().map(|&i| spots[i].at).collect();
         let n = curve.len();
         let reach = |a: &Point2, b: &Point2| a + (a - b).normalize() * (0.3 * stepover);
-        let (head, tail) = (reach(&curve[0], &curve[1]), reach(&curve[n - 1], &curve[n - 2]));
+        let (head, tail) = (
+            reach(&curve[0], &curve[1]),
+            reach(&curve[n - 1], &curve[n - 2]),
+        );
         curve.insert(0, head);
         curve.push(tail);
         out.push(curve);
@@ -64,7 +67,13 @@ pub fn strokes(cells: &[(i64, i64)], stepover: f64) -> Vec<Vec<Point2>> {
 }
 
 /// The spot that goes on a row best: near, and straight on.
-fn follow(spots: &[Spot], buckets: &Buckets, used: &[bool], row: &[usize], stepover: f64) -> Option<usize> {
+fn follow(
+    spots: &[Spot],
+    buckets: &Buckets,
+    used: &[bool],
+    row: &[usize],
+    stepover: f64,
+) -> Option<usize> {
     let n = row.len();
     let at = spots[row[n - 1]].at;
     let heading: Option<Vector2> = (n > 1).then(|| {
@@ -150,21 +159,33 @@ impl Buckets {
             size: size.max(1.0),
             sorted: Vec::new(),
         };
-        b.sorted = spots.iter().enumerate().map(|(i, s)| (b.square(&s.at), i)).collect();
+        b.sorted = spots
+            .iter()
+            .enumerate()
+            .map(|(i, s)| (b.square(&s.at), i))
+            .collect();
         b.sorted.sort_unstable();
         b
     }
 
     fn square(&self, p: &Point2) -> (i64, i64) {
-        ((p.x / self.size).floor() as i64, (p.y / self.size).floor() as i64)
+        (
+            (p.x / self.size).floor() as i64,
+            (p.y / self.size).floor() as i64,
+        )
     }
 
     fn near(&self, p: &Point2) -> impl Iterator<Item = usize> + '_ {
         let (x, y) = self.square(p);
-        (-1..=1).flat_map(move |u| (-1..=1).map(move |v| (x + u, y + v))).flat_map(move |q| {
-            let from = self.sorted.partition_point(|s| s.0 < q);
-            self.sorted[from..].iter().take_while(move |s| s.0 == q).map(|s| s.1)
-        })
+        (-1..=1)
+            .flat_map(move |u| (-1..=1).map(move |v| (x + u, y + v)))
+            .flat_map(move |q| {
+                let from = self.sorted.partition_point(|s| s.0 < q);
+                self.sorted[from..]
+                    .iter()
+                    .take_while(move |s| s.0 == q)
+                    .map(|s| s.1)
+            })
     }
 }
 

@@ -135,7 +135,11 @@ impl Turn {
                     at += u * l;
                 }
                 Piece::Left(v) | Piece::Right(v) => {
-                    let side = if matches!(piece, Piece::Left(_)) { 1.0 } else { -1.0 };
+                    let side = if matches!(piece, Piece::Left(_)) {
+                        1.0
+                    } else {
+                        -1.0
+                    };
                     let n = ((v * r / gap).max(v / 0.1)).ceil() as usize;
                     let center = at + Vector2::new(-heading.sin(), heading.cos()) * (side * r);
                     let place = |h: f64| center + Vector2::new(h.sin(), -h.cos()) * (side * r);
@@ -165,7 +169,11 @@ impl Turn {
                 at,
                 heading: -Vector2::new(heading.cos(), heading.sin()),
             },
-            pieces: [back(self.pieces[2]), back(self.pieces[1]), back(self.pieces[0])],
+            pieces: [
+                back(self.pieces[2]),
+                back(self.pieces[1]),
+                back(self.pieces[0]),
+            ],
             ..self.clone()
         }
     }
@@ -174,7 +182,10 @@ impl Turn {
         let r = self.radius;
         let (v, side) = match piece {
             Piece::Straight(v) => {
-                return (at + Vector2::new(heading.cos(), heading.sin()) * (v * r), heading);
+                return (
+                    at + Vector2::new(heading.cos(), heading.sin()) * (v * r),
+                    heading,
+                );
             }
             Piece::Left(v) => (v, 1.0),
             Piece::Right(v) => (v, -1.0),
@@ -231,7 +242,11 @@ mod tests {
     fn a_u_turn_is_half_a_circle_and_a_straight_way_is_straight() {
         let t = turn(&pose(0.0, 0.0, 0.0), &pose(0.0, 0.7, PI), 0.35);
         assert!((t.length - 0.35 * PI).abs() < 1e-9, "{t:?}");
-        let t = turn(&pose(0.0, 0.0, 0.3), &pose(3.0 * 0.3f64.cos(), 3.0 * 0.3f64.sin(), 0.3), 0.35);
+        let t = turn(
+            &pose(0.0, 0.0, 0.3),
+            &pose(3.0 * 0.3f64.cos(), 3.0 * 0.3f64.sin(), 0.3),
+            0.35,
+        );
         assert!((t.length - 3.0).abs() < 1e-9 && t.curved < 1e-6, "{t:?}");
     }
 

@@ -420,7 +420,10 @@ fn crossings(
                 }
                 // A deeper pass cuts here too.
                 let deeper = level.is_some_and(|l| !l.lowest);
-                if deeper && steep.options.at_once() && needs + steep.options.step() <= steep.options.flute {
+                if deeper
+                    && steep.options.at_once()
+                    && needs + steep.options.step() <= steep.options.flute
+                {
                     return None;
                 }
             }

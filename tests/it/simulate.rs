@@ -232,11 +232,7 @@ fn a_rapid_through_stock_is_named_with_its_line() {
         .find(|p| p.kind == Kind::Collision)
         .unwrap();
     assert_eq!(p.line, Some(5));
-    assert!(
-        p.text.starts_with("rapid move through 7.9"),
-        "{}",
-        p.text
-    );
+    assert!(p.text.starts_with("rapid move through 7.9"), "{}", p.text);
 }
 
 #[test]

@@ -147,7 +147,9 @@ fn level_passes_close_or_end_on_a_border_or_a_rim() {
             .passes
             .iter()
             // In a chain a loop ends where it began.
-            .filter(|q| q.kind == PassKind::Level && !q.closed && q.points.first() != q.points.last())
+            .filter(|q| {
+                q.kind == PassKind::Level && !q.closed && q.points.first() != q.points.last()
+            })
         {
             let own = pass.feature.unwrap();
             let free = &p.plan.regions.features[own].free;
