@@ -25,6 +25,7 @@
 //! gcode   kinematics   wire   link                                the host side of the cable
 //! gcode   kinematics   wire   controller                          the far side; link and controller never meet
 //! toolpath   gcode   verify                                       the witness
+//! toolpath   kinematics   weigh                                   what a toolpath takes, before there is text
 //! ```
 //!
 //! `cli` knows all of them, and is the only place that prints, asks or names files.
@@ -49,4 +50,5 @@ pub mod tool;
 pub mod toolpath;
 pub mod units;
 pub mod verify;
+pub mod weigh;
 pub mod wire;

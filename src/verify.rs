@@ -7,13 +7,14 @@
 //! crawl, standing somewhere else), so what it does not set itself shows as a difference.
 
 use crate::gcode::{
-    Dialect, Distance, Event, FeedMode, Motion, MotionKind, MotionMode, PathMode, Plane, State,
-    interpret_from,
+    Arc, Dialect, Distance, Event, FeedMode, Motion, MotionKind, MotionMode, PathMode, Plane,
+    State, interpret_from,
 };
 use crate::geom::Point;
 use crate::post::{Coolant, Job, Post, Posted};
-use crate::toolpath::{MoveKind, Toolpath};
+use crate::toolpath::{MoveKind, Toolpath, Turn};
 use crate::units::{Mm, MmPerMin, Rpm, Seconds};
+use std::f64::consts::PI;
 
 /// How well the text agrees with the moves. All differences are within half a unit of the last decimal, or there is an error.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -73,7 +74,7 @@ pub fn dialect_of(post: &Post) -> Result<Dialect, VerifyError> {
     }
 }
 
-/// Reads `posted` back and compares it, move by move, with what was meant: end points, rapid or feed, feeds, spindle, dwell,
+/// Reads `posted` back and compares it, move by move, with what was meant: end points, arcs (centre and way round), rapid or feed, feeds, spindle, dwell,
 /// coolant, path tolerance, order, the way up before and after, the program's end, and `posted.line_of_move`. Linear in the length of the program.
 pub fn verify(
     posted: &Posted,
@@ -163,6 +164,8 @@ struct Meant {
     kind: MotionKind,
     to: Point,
     feed: MmPerMin,
+    /// The arc, and the signed angle it sweeps, rad.
+    turn: Option<(Turn, f64)>,
 }
 
 struct Witness<'a> {
@@ -315,7 +318,13 @@ impl Witness<'_> {
         else {
             return Ok(at);
         };
+        let before = i.checked_sub(1).and_then(|k| self.toolpath.moves.get(k));
+        let turn = mv
+            .turn
+            .zip(before)
+            .map(|(t, b)| (t, t.sweep(&b.to, &mv.to)));
         let meant = Meant {
+            turn,
             kind: match mv.kind {
                 MoveKind::Rapid | MoveKind::Retract => MotionKind::Rapid,
                 MoveKind::Plunge | MoveKind::Cut | MoveKind::Link => MotionKind::Feed,
@@ -338,7 +347,7 @@ impl Witness<'_> {
                 return Ok(m.to);
             }
         } else if self.posted.line_of_move.get(i - 1) == Some(&line) {
-            if !self.near(&at, &mv.to) {
+            if !self.near(&at, &mv.to) || !vanishes(&turn) {
                 let found = format!(
                     "move {i} has no line of its own, yet goes from {} to {}",
                     show(&at),
@@ -365,12 +374,29 @@ impl Witness<'_> {
         let m = self.motion("a move")?;
         let feed_ok =
             meant.kind == MotionKind::Rapid || close(m.feed.0, meant.feed.0, self.feed_tolerance);
-        if m.kind != meant.kind || !plain(&m) || !self.near(&m.to, &meant.to) || !feed_ok {
+        let shape_ok = match (&m.arc, &meant.turn) {
+            (None, None) => true,
+            (Some(arc), Some(turn)) => self.same_arc(arc, turn),
+            // An arc shorter than the last decimal tells is a straight line.
+            (None, turn) => vanishes(turn) && self.near_flat(&m.from, &meant.to),
+            (Some(_), None) => false,
+        };
+        let in_work = !m.inverse_time && !m.machine_coordinates;
+        if m.kind != meant.kind || !in_work || !shape_ok || !self.near(&m.to, &meant.to) || !feed_ok
+        {
             let feed = match meant.kind {
                 MotionKind::Rapid => String::new(),
                 MotionKind::Feed => format!(" at {} mm/min", meant.feed.0),
             };
-            let wanted = format!("{:?} to {}{feed}", meant.kind, show(&meant.to));
+            let arc = meant.turn.map_or_else(String::new, |(t, _)| {
+                let way = if t.clockwise {
+                    "clockwise"
+                } else {
+                    "counter-clockwise"
+                };
+                format!(" {way} about X{} Y{}", t.center.x, t.center.y)
+            });
+            let wanted = format!("{:?} to {}{arc}{feed}", meant.kind, show(&meant.to));
             return Err(self.differs(
                 m.line,
                 format!("{} where move {i}, a {wanted}, was meant", say(&m)),
@@ -444,6 +470,20 @@ impl Witness<'_> {
             .all(|(a, b)| close(*a, *b, self.position_tolerance))
     }
 
+    /// Equal in plan, where no line of its own would be seen.
+    fn near_flat(&self, a: &Point, b: &Point) -> bool {
+        (0..2).all(|k| close(a[k], b[k], self.position_tolerance))
+    }
+
+    /// The same way round about the same centre, and about as far: ends are compared elsewhere.
+    fn same_arc(&self, arc: &Arc, (turn, sweep): &(Turn, f64)) -> bool {
+        arc.plane == Plane::Xy
+            && arc.clockwise == turn.clockwise
+            && close(arc.center.x, turn.center.x, self.position_tolerance)
+            && close(arc.center.y, turn.center.y, self.position_tolerance)
+            && (arc.sweep - sweep).abs() < PI
+    }
+
     fn note(&mut self, written: &Point, meant: &Point, line: usize) {
         let d = (written - meant).norm();
         if d > self.deviation.position.0 {
@@ -461,6 +501,11 @@ impl Witness<'_> {
     }
 }
 
+/// No arc, or one that may be too short to be told from a point.
+fn vanishes(turn: &Option<(Turn, f64)>) -> bool {
+    turn.is_none_or(|(_, sweep)| sweep.abs() < PI)
+}
+
 /// A straight move in work coordinates at so many mm per minute.
 fn plain(m: &Motion) -> bool {
     m.arc.is_none() && !m.inverse_time && !m.machine_coordinates
@@ -476,7 +521,14 @@ fn say(m: &Motion) -> String {
         MotionKind::Feed if m.inverse_time => format!(" in 1/{} min", m.feed.0),
         MotionKind::Feed => format!(" at {} mm/min", m.feed.0),
     };
-    let arc = if m.arc.is_some() { " by an arc" } else { "" };
+    let arc = m.arc.map_or_else(String::new, |a| {
+        let way = if a.clockwise {
+            "clockwise"
+        } else {
+            "counter-clockwise"
+        };
+        format!(" by an arc, {way} about X{} Y{}", a.center.x, a.center.y)
+    });
     format!("a {:?} to {}{feed}{arc}", m.kind, show(&m.to))
 }
 

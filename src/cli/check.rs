@@ -6,14 +6,14 @@ use super::args::{PartArgs, ToolArgs, parse};
 use super::mill::StockArg;
 use super::output::{to_stdout, write_json, write_whole};
 use super::progress::Progress;
-use super::show::clock;
+use super::show::{clock, motion};
 use crate::machine::Machine;
 use crate::picture::{Gouge, HeatMap, Raster, heat_map};
 use crate::post::Post;
 use crate::reach::DropCutter;
 
 use crate::simulate::{DryRun, DryRunOptions, PartContext, Stock, dry_run, judging_step};
-use crate::sweep::{Lattice, reachable};
+use crate::sweep::{Lattice, ReachTiles};
 use crate::verify::dialect_of;
 use serde::Serialize;
 use std::io::{Read as _, Write};
@@ -91,7 +91,6 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, Failure> {
     let mut progress = Progress::new();
     let radius = args.tool.tool.radius;
     let mut figures = None;
-    let mut heights = None;
     let result = match &args.part {
         None => {
             progress.stage("check", "reading and timing the program");
@@ -108,12 +107,8 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, Failure> {
             progress.stage("reach", "what the ball can reach");
             let drop = DropCutter::new(mesh, radius);
             let step = judging_step(&bounds, radius, args.tool.scallop);
-            let reach = reachable(&drop, step);
+            let reach = ReachTiles::new(&drop, step, 1);
             progress.stage("check", "cutting the program");
-            heights = Some(raster(
-                &reach.lattice,
-                reach.part_z.iter().map(|z| *z as f32).collect(),
-            ));
             let part = PartContext {
                 mesh,
                 drop: &drop,
@@ -126,7 +121,7 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, Failure> {
                 size_mm: bounds.size().into(),
                 tool: args.tool.tool.to_string(),
                 scallop_mm: args.tool.scallop,
-                cell_mm: reach.lattice.step,
+                cell_mm: reach.lattice().step,
             });
             dry_run(&text, dialect, &machine, Some(&part), &options)
         }
@@ -143,7 +138,7 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, Failure> {
         write_json(path, &report)?;
     }
     if let Some(dir) = &args.report {
-        write_report(dir, &report, heights.as_ref())?;
+        write_report(dir, &report)?;
     }
     to_stdout(|out| print(out, &report, args))?;
     Ok(if result.passed() {
@@ -181,7 +176,7 @@ pub(super) fn read_program(path: &Path) -> Result<String, String> {
     Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 
-fn write_report(dir: &Path, report: &Report, heights: Option<&Raster<f32>>) -> Result<(), Failure> {
+fn write_report(dir: &Path, report: &Report) -> Result<(), Failure> {
     std::fs::create_dir_all(dir)
         .map_err(|e| Failure::Failed(format!("{}: cannot be made: {e}", dir.display())))?;
     write_json(&dir.join("report.json"), report)?;
@@ -206,7 +201,7 @@ fn write_report(dir: &Path, report: &Report, heights: Option<&Raster<f32>>) -> R
             depth: &um(&map.gouge_mm),
             limit: 3.0,
         }),
-        heights,
+        heights: Some(&raster(&map.lattice, map.part_mm.clone())),
         facts: &[
             format!("p50   {:.1} um", s.p50),
             format!("p99   {:.1} um", s.p99),
@@ -263,6 +258,8 @@ fn print(out: &mut dyn Write, report: &Report, args: &CheckArgs) -> std::io::Res
         t.cutting,
         t.air
     )?;
+    writeln!(out, "motion    {}", motion(&r.motion))?;
+    super::show::link_line(out, "link     ", r)?;
     if let (Some(a), Some(b)) = (r.extents.min, r.extents.max) {
         writeln!(
             out,

@@ -11,8 +11,11 @@ use crate::post::{Coolant, Job, Post, write};
 use crate::reach::DropCutter;
 use crate::simulate::{DryRun, DryRunOptions, Kind, PartContext, Stock, dry_run};
 use crate::sweep::{Rest, RestOptions, rest};
-use crate::toolpath::plan::{self, DEFAULT_WALL_ANGLE, Plan};
-use crate::toolpath::{Ground, LinkOptions, PlanOptions, Stage, Strategy};
+use crate::toolpath::plan::{self, Plan};
+use crate::toolpath::{
+    ArcOptions, DEFAULT_WALL_ANGLE, FILL_START, Figures, FitReport, Ground, LinkOptions,
+    PlanOptions, RETRACT_WORTH, Stage, Strategy, Toolpath, arcs, proof,
+};
 use crate::units::{MmPerMin, Rpm, Seconds};
 use crate::verify::{Deviation, dialect_of, verify};
 use std::collections::BTreeMap;
@@ -34,16 +37,11 @@ pub struct MillArgs {
     #[allow(missing_docs)]
     pub tool: ToolArgs,
     /// How passes are spaced
-    #[arg(long, value_enum, default_value_t = StrategyName::IsoScallop)]
+    #[arg(long, value_enum, default_value_t = StrategyName::Auto)]
     pub strategy: StrategyName,
-    /// Direction of isoplanar passes, degrees from X
-    #[arg(
-        long,
-        default_value_t = 0.0,
-        allow_negative_numbers = true,
-        value_name = "DEGREES"
-    )]
-    pub angle: f64,
+    /// Direction of plane sections, degrees from X; a raster finds its own when left out, isoplanar features take 0
+    #[arg(long, allow_negative_numbers = true, value_name = "DEGREES")]
+    pub angle: Option<f64>,
     /// Machine: a name from `morsemill machines`, or a file
     #[arg(long, default_value = DEFAULT_MACHINE, value_name = "NAME|FILE")]
     pub machine: String,
@@ -87,6 +85,9 @@ pub struct MillArgs {
     /// Most memory that planning may take, MiB
     #[arg(long, default_value_t = 4096, value_name = "MIB")]
     pub memory: u64,
+    /// Say runs of segments as arcs (G2, G3) where the dialect has them and the arc is proven as true as they were
+    #[arg(long)]
+    pub arcs: bool,
     /// Write report.json and pictures into this folder
     #[arg(long, value_name = "DIR")]
     pub report: Option<PathBuf>,
@@ -101,21 +102,30 @@ pub struct MillArgs {
 /// The strategies by name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum StrategyName {
+    /// The quickest of the others
+    Auto,
     /// Equal cusps everywhere
     IsoScallop,
     /// Equal distance on the part
     IsoPickFeed,
     /// Plane sections
     Isoplanar,
+    /// The whole part as one feature, equal cusps everywhere
+    Whole,
+    /// The whole part in plane sections
+    Raster,
 }
 
 impl StrategyName {
     /// With the angle of plane sections filled in.
-    pub fn with_angle(self, angle: f64) -> Strategy {
+    pub fn with_angle(self, angle: Option<f64>) -> Strategy {
         match self {
+            StrategyName::Auto => Strategy::Auto,
+            StrategyName::Whole => Strategy::Whole,
+            StrategyName::Raster => Strategy::Raster(angle),
             StrategyName::IsoScallop => Strategy::IsoScallop,
             StrategyName::IsoPickFeed => Strategy::IsoPickFeed,
-            StrategyName::Isoplanar => Strategy::Isoplanar(angle),
+            StrategyName::Isoplanar => Strategy::Isoplanar(angle.unwrap_or(0.0)),
         }
     }
 }
@@ -183,6 +193,7 @@ struct MillJson<'a> {
     rest_surface_mm2: f64,
     rest_spots: usize,
     rest: Vec<RestJson>,
+    fit: FitJson,
     #[serde(flatten)]
     dry_run: &'a DryRun,
     read_back: ReadBackJson,
@@ -195,6 +206,32 @@ struct FillJson {
     passes: usize,
     length_mm: f64,
     cells_left: usize,
+}
+
+/// Chord errors of the toolpath against the part, proven over the whole length of every move at feed.
+#[derive(serde::Serialize)]
+struct FitJson {
+    segments: usize,
+    arcs: usize,
+    length_mm: f64,
+    gouge_um_max: f64,
+    stock_um_max: f64,
+    over_gouge: usize,
+    over_stock: usize,
+}
+
+impl From<&FitReport> for FitJson {
+    fn from(f: &FitReport) -> FitJson {
+        FitJson {
+            segments: f.segments,
+            arcs: f.arcs,
+            length_mm: f.length_mm,
+            gouge_um_max: 1e3 * f.gouge_max,
+            stock_um_max: 1e3 * f.stock_max,
+            over_gouge: f.over_gouge,
+            over_stock: f.over_stock,
+        }
+    }
 }
 
 #[derive(serde::Serialize)]
@@ -258,10 +295,11 @@ fn settle(a: &MillArgs) -> Result<Settings, Failure> {
     if let Some(p) = a.persistence {
         above_zero("--persistence", p, "mm")?;
     }
-    if !a.angle.is_finite() {
+    if let Some(angle) = a.angle
+        && !angle.is_finite()
+    {
         return Err(Failure::Failed(format!(
-            "--angle {}: must be a number of degrees",
-            a.angle
+            "--angle {angle}: must be a number of degrees"
         )));
     }
     if !(30.0..=90.0).contains(&a.wall_angle) {
@@ -350,6 +388,12 @@ pub fn run(a: &MillArgs) -> Result<ExitCode, Failure> {
     }
     let radius = a.tool.tool.radius;
     let mut progress = Progress::new();
+    if a.arcs && !s.post.arcs {
+        say(&format!(
+            "note: --arcs: post {} has no arcs; the program will be of straight lines",
+            s.post.name
+        ));
+    }
     progress.stage("import", "reading the part");
     let (loaded, placement) = a.placing.load(&a.part)?;
     a.tool.check_against(&placement)?;
@@ -377,8 +421,27 @@ pub fn run(a: &MillArgs) -> Result<ExitCode, Failure> {
     let ground =
         plan::survey(cutter, &s.plan, &mut announce, &mut stage).map_err(Failure::failed)?;
     let links = link_options(a, &s, &placement);
-    let (planned, reachable) = plan::plan(&placement.mesh, &ground, &s.plan, &links, &mut stage);
+    let (mut planned, reachable) = plan::plan(
+        &placement.mesh,
+        &ground,
+        &s.plan,
+        &links,
+        &weigh_on(&s.machine, a.feed, a.plunge),
+        &mut stage,
+    );
     let mut progress = progress.into_inner();
+
+    progress.stage("proof", "proving every segment");
+    if a.arcs && s.post.arcs {
+        let how = ArcOptions::new(planned.fitting, s.machine.arc_tolerance.0);
+        planned.toolpath = arcs(&planned.toolpath, &ground.cutter, &how);
+    }
+    let fit = proof(
+        &ground.cutter,
+        &planned.toolpath,
+        s.machine.arc_tolerance.0,
+        &planned.fitting,
+    );
 
     progress.stage("post", "writing the program");
     let job = job(a, &s, &placement, &ground, &planned);
@@ -421,7 +484,6 @@ pub fn run(a: &MillArgs) -> Result<ExitCode, Failure> {
             &pictures::Subject::new(&a.part, &placement, a.picture_width),
             &ground,
             &planned,
-            &reachable,
             &verdict,
             a.tool.scallop,
         )?;
@@ -442,6 +504,7 @@ pub fn run(a: &MillArgs) -> Result<ExitCode, Failure> {
         &planned,
         &verdict,
         &deviation,
+        &fit,
         features.clone(),
         &left,
         planned_bytes,
@@ -488,6 +551,12 @@ pub fn run(a: &MillArgs) -> Result<ExitCode, Failure> {
     })
 }
 
+/// The machine's own planner as a judge of toolpaths.
+fn weigh_on(machine: &Machine, feed: f64, plunge: f64) -> impl Fn(&Toolpath) -> Figures + Sync {
+    let settings = crate::kinematics::Settings::from(machine);
+    move |path| crate::weigh::weigh(path, &settings, MmPerMin(feed), MmPerMin(plunge))
+}
+
 fn link_options(a: &MillArgs, s: &Settings, placement: &Placement) -> LinkOptions {
     let m = &s.machine;
     let top = placement.mesh.bounds().max.z;
@@ -509,6 +578,8 @@ fn link_options(a: &MillArgs, s: &Settings, placement: &Placement) -> LinkOption
         clearance: CLEARANCE,
         block_center_z: block,
         safe_center_z: top + allowance + SAFE_ABOVE + a.tool.tool.radius,
+        retract_center_z: f64::NEG_INFINITY,
+        retract_worth: RETRACT_WORTH,
     }
 }
 
@@ -539,7 +610,7 @@ fn job(a: &MillArgs, s: &Settings, placement: &Placement, ground: &Ground, plann
         },
         format!(
             "strategy {} scallop {} mm",
-            s.plan.strategy.name(),
+            planned.layout.name(),
             a.tool.scallop
         ),
         format!("machine {} post {}", s.machine.name, s.post.name),
@@ -554,7 +625,7 @@ fn job(a: &MillArgs, s: &Settings, placement: &Placement, ground: &Ground, plann
             "cusps planned at {:.1} um, grid step {:.3} mm, filled where over {:.1} um",
             planned.spaced_for * um,
             ground.grid.step,
-            plan::FILL_START * a.tool.scallop * um
+            FILL_START * a.tool.scallop * um
         ),
     ];
     Job {
@@ -579,6 +650,7 @@ fn mill_json<'a>(
     planned: &Plan,
     verdict: &'a DryRun,
     deviation: &Deviation,
+    fit: &FitReport,
     features: Vec<FeatureJson>,
     left: &Rest,
     planned_bytes: u64,
@@ -597,12 +669,7 @@ fn mill_json<'a>(
         planned_memory_mib: planned_bytes >> 20,
         critical_points: show::critical_json(&ground.critical),
         features,
-        strategies: vec![StrategyJson {
-            name: s.plan.strategy.name(),
-            cut_mm: verdict.program.cut_mm,
-            time_s: verdict.time_s.total,
-            retracts: verdict.program.retracts,
-        }],
+        strategies: show::strategies(planned),
         fill: FillJson {
             rounds: planned.fill.rounds,
             passes: planned.fill.added,
@@ -639,6 +706,7 @@ fn mill_json<'a>(
                 largest_ball_mm: s.largest_ball.map(|r| (200.0 * r).floor() / 100.0),
             })
             .collect(),
+        fit: fit.into(),
         dry_run: verdict,
         read_back: ReadBackJson {
             moves: deviation.moves,

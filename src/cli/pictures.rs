@@ -4,15 +4,15 @@ use super::Failure;
 use super::output::write_whole;
 use crate::feature::Regions;
 use crate::geom::{Point, Vector};
-use crate::morse::{CriticalKind, CriticalPoint};
+use crate::morse::{CriticalKind, CriticalPoint, MorseFunction, Surface};
 use crate::part::Placement;
 use crate::picture::{
-    Gouge, HeatMap, Line, LineKind, Marker, MarkerKind, PictureError, Raster, Scene, View,
-    heat_map, passes, shaded,
+    Gouge, HeatMap, Line, LineKind, Marker, MarkerKind, PictureError, Raster, Scene, SurfaceScene,
+    View, heat_map, passes, shaded, surface_map,
 };
 use crate::reach::{NodeKind, ToolCentreGrid};
 use crate::simulate::DryRun;
-use crate::sweep::{CuspMap, Lattice, Reachable};
+use crate::sweep::{CuspMap, Lattice};
 use crate::toolpath::plan::Plan;
 use crate::toolpath::{Ground, MoveKind, PassKind};
 use std::path::Path;
@@ -55,14 +55,16 @@ pub fn draw_all(
     of: &Subject,
     ground: &Ground,
     plan: &Plan,
-    reach: &Reachable,
     verdict: &DryRun,
     scallop: f64,
 ) -> Result<(), Failure> {
-    let heights = part_heights(reach);
+    let heights = match &verdict.map {
+        Some(map) => raster_of_lattice(&map.lattice, map.part_mm.clone()),
+        None => grid_heights(ground),
+    };
     write_whole(
         &dir.join("features.png"),
-        &feature_picture(of, ground, &plan.regions, &heights)?,
+        &feature_picture(of, ground, &plan.regions, &heights, 1)?,
     )?;
     write_whole(
         &dir.join("passes.png"),
@@ -77,8 +79,17 @@ pub fn draw_all(
     Ok(())
 }
 
-/// The picture of critical points and features, as PNG bytes.
-pub fn features(of: &Subject, ground: &Ground, regions: &Regions) -> Result<Vec<u8>, Failure> {
+/// The picture of critical points and features, as PNG bytes; values of the function with so many decimals.
+pub fn features(
+    of: &Subject,
+    ground: &Ground,
+    regions: &Regions,
+    decimals: usize,
+) -> Result<Vec<u8>, Failure> {
+    feature_picture(of, ground, regions, &grid_heights(ground), decimals)
+}
+
+fn grid_heights(ground: &Ground) -> Raster<f32> {
     let g = &ground.grid;
     let heights = (0..g.len())
         .map(|i| {
@@ -89,7 +100,32 @@ pub fn features(of: &Subject, ground: &Ground, regions: &Regions) -> Result<Vec<
                 .map_or(f32::NAN, |z| z as f32)
         })
         .collect();
-    feature_picture(of, ground, regions, &raster_of_grid(g, heights))
+    raster_of_grid(g, heights)
+}
+
+/// The picture of a function on a raw mesh and its critical points, as PNG bytes; values with so many decimals.
+pub fn function_on_mesh(
+    of: &Subject,
+    surface: &Surface,
+    value: &[f64],
+    function: MorseFunction,
+    critical: &[CriticalPoint],
+    decimals: usize,
+) -> Result<Vec<u8>, Failure> {
+    let [a, b, c] = super::show::counts(critical);
+    surface_map(&SurfaceScene {
+        title: &format!("{}: {}", of.name(), function.name()),
+        subtitle: &format!("{a} maxima, {b} minima, {c} saddles on the mesh"),
+        points: &surface.points,
+        triangles: &surface.triangles,
+        value,
+        quantity: function.name(),
+        unit: function.unit(),
+        markers: &markers(critical, decimals),
+        view: View::default(),
+        width_px: of.width_px,
+    })
+    .map_err(failed)
 }
 
 fn failed(e: PictureError) -> Failure {
@@ -116,14 +152,7 @@ fn raster_of_lattice<T>(l: &Lattice, values: Vec<T>) -> Raster<T> {
     }
 }
 
-fn part_heights(reach: &Reachable) -> Raster<f32> {
-    raster_of_lattice(
-        &reach.lattice,
-        reach.part_z.iter().map(|z| *z as f32).collect(),
-    )
-}
-
-fn markers(critical: &[CriticalPoint]) -> Vec<Marker> {
+fn markers(critical: &[CriticalPoint], decimals: usize) -> Vec<Marker> {
     critical
         .iter()
         .map(|c| Marker {
@@ -133,7 +162,7 @@ fn markers(critical: &[CriticalPoint]) -> Vec<Marker> {
                 CriticalKind::Saddle => MarkerKind::Saddle,
             },
             at: c.contact,
-            label: format!("{:.1}", c.contact.z),
+            label: format!("{:.decimals$}", c.value),
         })
         .collect()
 }
@@ -184,6 +213,7 @@ fn feature_picture(
     ground: &Ground,
     regions: &Regions,
     heights: &Raster<f32>,
+    decimals: usize,
 ) -> Result<Vec<u8>, Failure> {
     let labels = labels(&ground.grid, regions);
     let [a, b, c] = super::show::counts(&ground.critical);
@@ -196,7 +226,7 @@ fn feature_picture(
         heights,
         labels: Some(&labels),
         features: &feature_words(regions),
-        markers: &markers(&ground.critical),
+        markers: &markers(&ground.critical, decimals),
         floor: of.floor,
         view: View::default(),
         width_px: of.width_px,

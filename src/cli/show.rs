@@ -3,12 +3,12 @@
 use crate::morse::{CriticalKind, CriticalPoint};
 use crate::part::{Format, Loaded, Placement, Soundness};
 use crate::post::Posted;
-use crate::simulate::DryRun;
+use crate::simulate::{DryRun, MotionFigures};
 use crate::sweep::Rest;
 use crate::tool::Tool;
 use crate::toolpath::plan::Plan;
 use crate::toolpath::wall::TooDeep;
-use crate::toolpath::{MoveKind, Stage};
+use crate::toolpath::{MoveKind, PassKind, Stage};
 use serde::Serialize;
 use std::io::{self, Write};
 use std::path::Path;
@@ -75,14 +75,45 @@ pub struct FeatureJson {
 /// A strategy in a report.
 #[derive(Clone, Debug, Serialize)]
 pub struct StrategyJson {
-    /// Its name.
-    pub name: &'static str,
-    /// Cutting length.
+    /// Its name, and where it begins or runs.
+    pub name: String,
+    /// Length at cutting feed, links among it.
     pub cut_mm: f64,
-    /// Time on the machine.
+    /// Time on the machine, without waiting for the spindle.
     pub time_s: f64,
+    /// Of that, links along the surface.
+    pub link_s: f64,
+    /// Of that, moves through the air and straight up and down.
+    pub air_s: f64,
+    /// Cutting passes.
+    pub passes: usize,
     /// Retracts.
     pub retracts: usize,
+    /// Root of the mean square of the tool's vertical acceleration while it cuts.
+    pub vertical_acceleration_rms_mm_s2: f64,
+    /// Largest turn between consecutive cutting moves.
+    pub largest_turn_deg: f64,
+    /// The program is this one.
+    pub chosen: bool,
+}
+
+/// The candidates of a plan for JSON: the chosen one among them, and both rasters.
+pub fn strategies(plan: &Plan) -> Vec<StrategyJson> {
+    plan.candidates
+        .iter()
+        .map(|c| StrategyJson {
+            name: c.name.clone(),
+            cut_mm: c.cut_mm,
+            time_s: c.figures.time_s,
+            link_s: c.figures.link_s,
+            air_s: c.figures.air_s,
+            passes: c.passes,
+            retracts: c.retracts,
+            vertical_acceleration_rms_mm_s2: c.figures.vertical_acceleration_rms,
+            largest_turn_deg: c.figures.largest_turn_deg,
+            chosen: c.chosen,
+        })
+        .collect()
 }
 
 /// Name for JSON and words for the progress line.
@@ -90,6 +121,7 @@ pub fn stage_words(at: Stage) -> (&'static str, &'static str) {
     match at {
         Stage::Reach => ("reach", "dropping the ball on the part"),
         Stage::Morse => ("morse", "finding critical points"),
+        Stage::Choose => ("choose", "choosing how to cut it"),
         Stage::Features => ("features", "growing features"),
         Stage::Passes => ("passes", "laying passes"),
         Stage::Reachable => ("reachable", "finding what this ball can reach"),
@@ -195,7 +227,7 @@ pub fn features(plan: &Plan, posted: &Posted, line_seconds: &[f64]) -> Vec<Featu
     };
     out.push(border);
     let slot = |f: Option<usize>| f.unwrap_or(plan.regions.features.len());
-    for p in &plan.passes {
+    for p in plan.passes.iter().filter(|p| p.kind != PassKind::Turn) {
         out[slot(p.feature)].passes += 1;
     }
     let moves = &plan.toolpath.moves;
@@ -209,7 +241,7 @@ pub fn features(plan: &Plan, posted: &Posted, line_seconds: &[f64]) -> Vec<Featu
         let row = &mut out[slot(plan.section_features.get(k).copied().flatten())];
         for i in section.first_move..end {
             if i > 0 && moves[i].kind == MoveKind::Cut {
-                row.cut_mm += (moves[i].to - moves[i - 1].to).norm();
+                row.cut_mm += moves[i].length(&moves[i - 1].to);
             }
             let last = posted.line_of_move.get(i).copied().unwrap_or(line);
             row.time_s += line_seconds.get(line..last).map_or(0.0, |t| t.iter().sum());
@@ -306,6 +338,40 @@ pub fn feature_table(w: &mut dyn Write, rows: &[FeatureJson]) -> io::Result<()> 
     writeln!(w)
 }
 
+/// How well the machine is moved, in one line.
+pub fn motion(m: &MotionFigures) -> String {
+    let turns = match m.largest_turn_line {
+        Some(line) => format!(
+            "largest turn {:.1} deg (line {line}), {} over 30",
+            m.largest_turn_deg, m.turns_over_30
+        ),
+        None => "no turns".into(),
+    };
+    format!(
+        "vertical RMS {:.1} mm/s2 at {:.2} mm/s; {:.1} % not cutting; {turns}",
+        m.vertical_acceleration_rms_mm_s2, m.vertical_speed_rms_mm_s, m.non_cutting_percent
+    )
+}
+
+/// One line about what the program needs of the link.
+pub fn link_line(w: &mut dyn Write, name: &str, d: &DryRun) -> io::Result<()> {
+    let Some(l) = &d.link_demand else {
+        return Ok(());
+    };
+    write!(
+        w,
+        "{name} {:.0} lines/s (p99 {:.0}), {:.1} of {:.1} kB/s needed",
+        l.lines_per_s_max,
+        l.lines_per_s_p99,
+        1e-3 * l.bytes_per_s_needed,
+        1e-3 * l.bytes_per_s_link
+    )?;
+    if l.starved_s >= 0.05 {
+        write!(w, "; waits {:.1} s for lines", l.starved_s)?;
+    }
+    writeln!(w)
+}
+
 /// The dry run's figures and its verdict.
 pub fn verdict(w: &mut dyn Write, d: &DryRun, scallop: f64) -> io::Result<()> {
     writeln!(
@@ -320,6 +386,8 @@ pub fn verdict(w: &mut dyn Write, d: &DryRun, scallop: f64) -> io::Result<()> {
         "program    {} lines, {:.0} mm at feed, {:.0} mm rapid, {} retracts",
         d.program.lines, d.program.cut_mm, d.program.rapid_mm, d.program.retracts
     )?;
+    writeln!(w, "motion     {}", motion(&d.motion))?;
+    link_line(w, "link      ", d)?;
     if let Some(f) = &d.finish {
         let s = &f.scallop_um;
         writeln!(

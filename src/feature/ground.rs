@@ -4,6 +4,7 @@
 //! a picture of what was taken before; then the ground remembers how many passes away the new rim is.
 
 use super::region::{Feature, FeatureKind, Regions, Window};
+use super::whole::Source;
 use crate::field::march::Access;
 use crate::field::{Front, MarchOptions, Metric, Ruler, march};
 use crate::geom::Vector2;
@@ -41,7 +42,46 @@ pub(super) struct Ground<'a> {
 /// "No rim near": a finite stand-in, so that values can be interpolated.
 pub(super) const FAR: f64 = 16.0;
 
-impl Ground<'_> {
+impl<'a> Ground<'a> {
+    /// Nothing taken yet.
+    pub fn new(
+        grid: &'a ToolCentreGrid,
+        cusp: &'a Metric,
+        metric: &'a Metric,
+        options: &'a GrowOptions,
+    ) -> Ground<'a> {
+        Ground {
+            grid,
+            cusp,
+            metric,
+            options,
+            free: vec![FAR; grid.len()],
+            regions: Regions {
+                features: Vec::new(),
+                label: vec![0; grid.len()],
+            },
+            value: vec![f64::INFINITY; grid.len()],
+        }
+    }
+
+    /// Distance from all nodes of a source at once over everything.
+    pub fn march_source(&mut self, source: &Source) -> Vec<u32> {
+        let seeds: Vec<(usize, f64)> = source.nodes.iter().map(|&n| (n, 0.0)).collect();
+        let how = MarchOptions {
+            front: source.front,
+            near_steps: 3,
+        };
+        march(
+            self.grid,
+            self.metric,
+            &seeds,
+            &|_| Access::Open,
+            &how,
+            &mut self.value,
+            &mut |_, _| true,
+        )
+    }
+
     /// Distance from a node over ground not yet taken (and one node into what is), into `value`. Returns the nodes reached.
     pub fn march_from(
         &mut self,

@@ -8,7 +8,7 @@
 //!
 //! Maxima come by falling height, then minima by rising height.
 
-use super::ground::{FAR, Ground, GrowOptions};
+use super::ground::{Ground, GrowOptions};
 use super::leftover::leftovers;
 use super::region::{FeatureKind, Regions};
 use crate::field::Metric;
@@ -24,18 +24,7 @@ pub fn grow(
     critical: &[CriticalPoint],
     options: &GrowOptions,
 ) -> Regions {
-    let mut g = Ground {
-        grid,
-        cusp,
-        metric,
-        options,
-        free: vec![FAR; grid.len()],
-        regions: Regions {
-            features: Vec::new(),
-            label: vec![0; grid.len()],
-        },
-        value: vec![f64::INFINITY; grid.len()],
-    };
+    let mut g = Ground::new(grid, cusp, metric, options);
     let mut saddle_at: Vec<(usize, usize)> = critical
         .iter()
         .enumerate()

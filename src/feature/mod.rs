@@ -7,7 +7,9 @@ pub mod ground;
 pub mod grow;
 pub mod leftover;
 pub mod region;
+pub mod whole;
 
 pub use ground::GrowOptions;
 pub use grow::grow;
 pub use region::{Feature, FeatureKind, Regions, Window};
+pub use whole::{Source, farthest, sources, whole};

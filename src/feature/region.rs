@@ -17,6 +17,8 @@ pub enum FeatureKind {
     Remainder,
     /// A strip between the rims of other features; its passes run along them.
     Strip,
+    /// The whole part, from one side or corner of it.
+    Whole,
 }
 
 impl FeatureKind {
@@ -29,6 +31,7 @@ impl FeatureKind {
             FeatureKind::BorderPit => "border-pit",
             FeatureKind::Remainder => "remainder",
             FeatureKind::Strip => "strip",
+            FeatureKind::Whole => "whole-part",
         }
     }
 }

@@ -27,6 +27,19 @@ pub struct Ramp {
     pub acceleration: f64,
 }
 
+/// A part of a profile: steady acceleration.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Phase {
+    /// How long, s; zero or more.
+    pub duration: f64,
+    /// Distance covered before it, mm.
+    pub start: f64,
+    /// Speed at its start, mm/s.
+    pub speed: f64,
+    /// Change of speed, mm/s²; negative if it brakes.
+    pub slope: f64,
+}
+
 /// Speed over one block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Profile {
@@ -115,6 +128,23 @@ impl Profile {
     /// How long the block takes, s.
     pub fn duration(&self) -> f64 {
         self.times[0] + self.times[1] + self.times[2]
+    }
+
+    /// Ramp, steady stretch, ramp; any of them may be empty.
+    pub fn phases(&self) -> [Phase; 3] {
+        let [t1, t2, t3] = self.times;
+        let [d1, d2] = self.lengths;
+        let phase = |duration, start, speed, slope| Phase {
+            duration,
+            start,
+            speed,
+            slope,
+        };
+        [
+            phase(t1, 0.0, self.entry, self.slope),
+            phase(t2, d1, self.cruise, 0.0),
+            phase(t3, d1 + d2, self.cruise, -self.acceleration),
+        ]
     }
 
     /// Distance covered after `t` seconds, mm; 0 before the start and [`Profile::length`] behind the end.
@@ -250,6 +280,16 @@ mod tests {
             prop_assert!((v - p.speed_at(t)).abs() <= a * dt + 1e-4 * v.max(1.0), "{} {}", v, p.speed_at(t));
             prop_assert!((p.speed_at(t + dt) - p.speed_at(t)).abs() <= a * dt * 1.001 + 1e-9);
             prop_assert!(p.speed_at(t) <= nominal.max(entry) + 1e-9);
+            let mut begin = 0.0;
+            for phase in p.phases() {
+                let u = t - begin;
+                if u >= 0.0 && u <= phase.duration {
+                    let d = phase.start + u * (phase.speed + 0.5 * phase.slope * u);
+                    prop_assert!((p.distance_at(t) - d).abs() < 1e-9 * length.max(1.0));
+                }
+                begin += phase.duration;
+            }
+            prop_assert!((begin - all).abs() < 1e-12 * all);
         }
     }
 }

@@ -5,7 +5,8 @@
 //! homing, and where a probe really touches (the whole way is counted).
 
 use super::chord::chords;
-use super::planner::{Planner, Pushed, Speed, Target};
+use super::planner::{Block, Speed, Target};
+use super::quality::{MotionQuality, Purpose, Run};
 use super::settings::Settings;
 use crate::gcode::{Event, Motion, MotionKind};
 use crate::units::Seconds;
@@ -13,12 +14,12 @@ use crate::units::Seconds;
 /// GRBL dwells in steps of so many seconds, rounded up.
 const DWELL_STEP: f64 = 0.05;
 
-/// Where the time goes. `total` is the sum of the others.
+/// Where the time goes. `total` is the sum of cutting, air, dwell and idle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Times {
     /// Everything.
     pub total: Seconds,
-    /// G1, G2, G3.
+    /// G1, G2, G3, plunges among them.
     pub cutting: Seconds,
     /// G0, and probing.
     pub air: Seconds,
@@ -26,31 +27,39 @@ pub struct Times {
     pub dwell: Seconds,
     /// Idle delays after standstills.
     pub idle: Seconds,
+    /// How well it moves. Here feed moves without X and Y next to a rapid are plunges, and links count as cutting.
+    pub motion: MotionQuality,
     /// Seconds by line of the program: line n is element n - 1. As long as the last line that does anything.
     pub per_line: Vec<f64>,
 }
 
-/// The time of a program. One pass; a few hundred nanoseconds a line.
+/// The time of a program, and how well it moves. One pass; a few hundred nanoseconds a line.
 pub fn program_time(events: &[Event], settings: &Settings) -> Times {
     let mut clock = Clock {
-        planner: Planner::new(settings),
+        run: Run::new(settings),
         times: Times {
             total: Seconds(0.0),
             cutting: Seconds(0.0),
             air: Seconds(0.0),
             dwell: Seconds(0.0),
             idle: Seconds(0.0),
+            motion: MotionQuality::default(),
             per_line: vec![0.0; events.iter().map(Event::line).max().unwrap_or(0)],
         },
         settled: true,
         reseat: true,
     };
-    for event in events {
+    let mut upright = Upright::default();
+    for (i, event) in events.iter().enumerate() {
         match event {
-            Event::Motion(motion) => clock.travel(motion, None),
+            Event::Motion(motion) => {
+                let purpose = upright.purpose(events, i, motion);
+                clock.travel(motion, None, purpose);
+            }
             Event::Probe { motion, .. } => {
+                upright.after_feed = false;
                 clock.stop(motion.line);
-                clock.travel(motion, Some(Speed::Fixed(motion.feed)));
+                clock.travel(motion, Some(Speed::Fixed(motion.feed)), Purpose::Air);
                 clock.stop(motion.line);
             }
             &Event::Dwell { time, line } => {
@@ -58,7 +67,8 @@ pub fn program_time(events: &[Event], settings: &Settings) -> Times {
                 let steps = (time.0 / DWELL_STEP).ceil().max(0.0);
                 let time = Seconds(steps * DWELL_STEP);
                 clock.times.dwell += time;
-                clock.spend(time, line);
+                clock.run.wait(time.0);
+                clock.times.spend(time, line);
             }
             Event::Pause { optional: true, .. } => {}
             Event::Pause { line, .. }
@@ -69,12 +79,82 @@ pub fn program_time(events: &[Event], settings: &Settings) -> Times {
             | Event::End { line } => clock.stop(*line),
         }
     }
-    clock.drain();
+    clock
+        .run
+        .standstill(&mut |b, t, p| clock.times.ran(b, t, p));
+    clock.times.motion = clock.run.quality();
     clock.times
 }
 
+/// Tells plunges and withdrawals from cuts: runs of upright feed moves that begin or end in the air.
+#[derive(Default)]
+struct Upright {
+    /// The last motion was at feed.
+    after_feed: bool,
+    /// Where the present run ends in the list of events, and what it is for.
+    run: Option<(usize, Purpose)>,
+}
+
+impl Upright {
+    fn purpose(&mut self, events: &[Event], i: usize, motion: &Motion) -> Purpose {
+        let after_feed = std::mem::replace(&mut self.after_feed, motion.kind == MotionKind::Feed);
+        if motion.kind == MotionKind::Rapid {
+            return Purpose::Air;
+        }
+        if !upright(motion) {
+            return Purpose::Cut;
+        }
+        match self.run {
+            Some((end, purpose)) if i < end => purpose,
+            _ => {
+                // Looks ahead once per run, over anything that does not move.
+                let next = events
+                    .iter()
+                    .enumerate()
+                    .skip(i)
+                    .find_map(|(k, e)| match e {
+                        Event::Motion(m) if m.kind == MotionKind::Feed && upright(m) => None,
+                        Event::Motion(m) => Some((k, m.kind == MotionKind::Feed)),
+                        Event::Probe { .. } => Some((k, false)),
+                        _ => None,
+                    });
+                let (end, before_feed) = next.unwrap_or((events.len(), false));
+                let purpose = if after_feed && before_feed {
+                    Purpose::Cut
+                } else {
+                    Purpose::Plunge
+                };
+                self.run = Some((end, purpose));
+                purpose
+            }
+        }
+    }
+}
+
+fn upright(m: &Motion) -> bool {
+    m.arc.is_none() && m.from.x == m.to.x && m.from.y == m.to.y
+}
+
+impl Times {
+    fn spend(&mut self, time: Seconds, line: usize) {
+        self.total += time;
+        if let Some(t) = line.checked_sub(1).and_then(|i| self.per_line.get_mut(i)) {
+            *t += time.0;
+        }
+    }
+
+    fn ran(&mut self, block: &Block, time: f64, purpose: Purpose) {
+        let time = Seconds(time);
+        match purpose {
+            Purpose::Air => self.air += time,
+            Purpose::Plunge | Purpose::Cut | Purpose::Link => self.cutting += time,
+        }
+        self.spend(time, block.line);
+    }
+}
+
 struct Clock {
-    planner: Planner,
+    run: Run,
     times: Times,
     /// Nothing has moved since the last standstill.
     settled: bool,
@@ -83,49 +163,23 @@ struct Clock {
 }
 
 impl Clock {
-    fn spend(&mut self, time: Seconds, line: usize) {
-        self.times.total += time;
-        if let Some(t) = line
-            .checked_sub(1)
-            .and_then(|i| self.times.per_line.get_mut(i))
-        {
-            *t += time.0;
-        }
-    }
-
-    /// The oldest block runs.
-    fn run(&mut self) -> bool {
-        let Some((block, profile)) = self.planner.pop() else {
-            return false;
-        };
-        let time = Seconds(profile.duration());
-        match block.speed {
-            Speed::Rapid | Speed::Fixed(_) => self.times.air += time,
-            Speed::Feed(_) | Speed::InverseTime(_) => self.times.cutting += time,
-        }
-        self.spend(time, block.line);
-        true
-    }
-
-    fn drain(&mut self) {
-        while self.run() {}
-    }
-
     /// Standstill: everything runs out, and the motors are held for a moment if anything moved.
     fn stop(&mut self, line: usize) {
-        self.drain();
+        let times = &mut self.times;
+        self.run.standstill(&mut |b, t, p| times.ran(b, t, p));
         if !self.settled {
-            let idle = self.planner.settings().idle_delay;
+            let idle = self.run.settings().idle_delay;
             self.times.idle += idle;
-            self.spend(idle, line);
+            self.run.wait(idle.0);
+            self.times.spend(idle, line);
         }
         self.settled = true;
         self.reseat = true;
     }
 
-    fn travel(&mut self, motion: &Motion, speed: Option<Speed>) {
+    fn travel(&mut self, motion: &Motion, speed: Option<Speed>, purpose: Purpose) {
         if self.reseat {
-            self.planner.set_position(&motion.from);
+            self.run.seat(&motion.from);
             self.reseat = false;
         }
         let speed = speed.unwrap_or(match motion.kind {
@@ -133,15 +187,15 @@ impl Clock {
             MotionKind::Feed if motion.inverse_time => Speed::InverseTime(motion.feed.0),
             MotionKind::Feed => Speed::Feed(motion.feed),
         });
-        let line = motion.line;
+        let (from, to, line) = (&motion.from, motion.to, motion.line);
         match &motion.arc {
             None => {
-                let to = motion.to;
-                self.push(Target { to, speed, line });
+                self.run.way.straight(purpose, from, &to, line);
+                self.push(Target { to, speed, line }, purpose);
             }
             Some(arc) => {
-                let tolerance = self.planner.settings().arc_tolerance;
-                let chords = chords(&motion.from, &motion.to, arc, tolerance);
+                self.run.way.arc(purpose, from, &to, arc, line);
+                let chords = chords(from, &to, arc, self.run.settings().arc_tolerance);
                 let speed = match speed {
                     // Each chord has its share of the arc's time.
                     Speed::InverseTime(f) => {
@@ -150,25 +204,18 @@ impl Clock {
                     other => other,
                 };
                 for to in chords {
-                    self.push(Target { to, speed, line });
+                    self.push(Target { to, speed, line }, purpose);
                 }
             }
         }
     }
 
-    fn push(&mut self, target: Target) {
-        loop {
-            match self.planner.push(target) {
-                Pushed::Queued => {
-                    self.settled = false;
-                    return;
-                }
-                Pushed::Nothing => return,
-                Pushed::Full => {
-                    self.run();
-                }
-            }
-        }
+    fn push(&mut self, target: Target, purpose: Purpose) {
+        let times = &mut self.times;
+        let moves = self
+            .run
+            .push(target, purpose, &mut |b, t, p| times.ran(b, t, p));
+        self.settled &= !moves;
     }
 }
 

@@ -4,8 +4,23 @@
 //! ends is its persistence, and the meeting place its partner. Peaks likewise, from above. Pairs of small persistence are
 //! cancelled. (H. Edelsbrunner, D. Letscher, A. Zomorodian, *Topological persistence and simplification*, 2002.)
 
-use super::critical::Scalar;
-use crate::reach::LINK;
+use rayon::prelude::*;
+
+/// A scalar on the nodes of a graph: the ground of a grid, or the vertices of a mesh.
+pub trait Graph: Sync {
+    /// Number of nodes, active or not.
+    fn len(&self) -> usize;
+    /// Whether a node takes part.
+    fn is_active(&self, node: usize) -> bool;
+    /// Its value; a number, for an active node.
+    fn value(&self, node: usize) -> f64;
+    /// Shows each active neighbour of a node.
+    fn each_neighbour(&self, node: usize, see: &mut dyn FnMut(usize));
+    /// True without nodes.
+    fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
 
 /// An extreme node and the node where it would be merged away.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,28 +29,31 @@ pub struct Pair {
     pub extreme: usize,
     /// Where it meets an older one; `None` for the last one of its connected piece.
     pub merge: Option<usize>,
-    /// Height difference, mm; infinite without a partner.
+    /// The older one it meets there.
+    pub into: Option<usize>,
+    /// Difference of the values, in the function's unit; infinite without a partner.
     pub persistence: f64,
 }
 
 /// All pits with their partners, by rising node number. O(n log n).
-pub fn pits(s: &Scalar) -> Vec<Pair> {
+pub fn pits(s: &impl Graph) -> Vec<Pair> {
     pairs(s, false)
 }
 
 /// All peaks with their partners, by rising node number. O(n log n).
-pub fn peaks(s: &Scalar) -> Vec<Pair> {
+pub fn peaks(s: &impl Graph) -> Vec<Pair> {
     pairs(s, true)
 }
 
 const NOBODY: u32 = u32::MAX;
 
-fn pairs(s: &Scalar, from_above: bool) -> Vec<Pair> {
-    let n = s.value.len();
-    let mut order: Vec<u32> = (0..n as u32).filter(|&i| s.active[i as usize]).collect();
-    order.sort_unstable_by(|&a, &b| {
-        let o = s.value[a as usize]
-            .total_cmp(&s.value[b as usize])
+fn pairs(s: &impl Graph, from_above: bool) -> Vec<Pair> {
+    let n = s.len();
+    let mut order: Vec<u32> = (0..n as u32).filter(|&i| s.is_active(i as usize)).collect();
+    order.par_sort_unstable_by(|&a, &b| {
+        let o = s
+            .value(a as usize)
+            .total_cmp(&s.value(b as usize))
             .then(a.cmp(&b));
         if from_above { o.reverse() } else { o }
     });
@@ -57,20 +75,17 @@ fn pairs(s: &Scalar, from_above: bool) -> Vec<Pair> {
         let node = i as usize;
         let mut oldest = NOBODY;
         parent[node] = i;
-        for d in LINK {
-            let Some(j) = s.neighbour(node, d) else {
-                continue;
-            };
+        s.each_neighbour(node, &mut |j| {
             if parent[j] == NOBODY {
-                continue; // not flooded yet
+                return; // not flooded yet
             }
             let root = find(&mut parent, j as u32);
             if root == i || root == oldest {
-                continue;
+                return;
             }
             if oldest == NOBODY {
                 oldest = root;
-                continue;
+                return;
             }
             let (old, young) = if rank[oldest as usize] < rank[root as usize] {
                 (oldest, root)
@@ -80,11 +95,12 @@ fn pairs(s: &Scalar, from_above: bool) -> Vec<Pair> {
             out.push(Pair {
                 extreme: young as usize,
                 merge: Some(node),
-                persistence: (s.value[node] - s.value[young as usize]).abs(),
+                into: Some(old as usize),
+                persistence: (s.value(node) - s.value(young as usize)).abs(),
             });
             parent[young as usize] = old;
             oldest = old;
-        }
+        });
         if oldest != NOBODY {
             parent[node] = oldest;
         }
@@ -94,6 +110,7 @@ fn pairs(s: &Scalar, from_above: bool) -> Vec<Pair> {
             out.push(Pair {
                 extreme: i as usize,
                 merge: None,
+                into: None,
                 persistence: f64::INFINITY,
             });
         }
@@ -104,6 +121,7 @@ fn pairs(s: &Scalar, from_above: bool) -> Vec<Pair> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::critical::Scalar;
     use super::*;
 
     #[test]
@@ -121,11 +139,13 @@ mod tests {
                 Pair {
                     extreme: 0,
                     merge: None,
+                    into: None,
                     persistence: f64::INFINITY
                 },
                 Pair {
                     extreme: 2,
                     merge: Some(1),
+                    into: Some(0),
                     persistence: 2.0
                 }
             ]
@@ -136,11 +156,13 @@ mod tests {
                 Pair {
                     extreme: 1,
                     merge: Some(2),
+                    into: Some(3),
                     persistence: 2.0
                 },
                 Pair {
                     extreme: 3,
                     merge: None,
+                    into: None,
                     persistence: f64::INFINITY
                 }
             ]

@@ -10,6 +10,7 @@
 //! saddles. Ties are decided by index, so a flat top has one peak. (T. F. Banchoff, *Critical points and curvature for embedded
 //! polyhedral surfaces*, 1970; simulation of simplicity after Edelsbrunner and Mücke, 1990.)
 
+use super::cancel::Graph;
 use crate::geom::Point;
 use crate::reach::LINK;
 
@@ -29,15 +30,17 @@ pub enum CriticalKind {
 pub struct CriticalPoint {
     /// What it is.
     pub kind: CriticalKind,
-    /// Node of the grid.
+    /// Node of the grid, or vertex of the mesh.
     pub node: usize,
     /// On the border of the ground.
     pub boundary: bool,
-    /// The ball's centre there, refined below the grid's step. Work coordinates, mm.
+    /// The ball's centre there, refined below the grid's step; on a mesh the vertex itself. Work coordinates, mm.
     pub center: Point,
     /// The part's point touched there.
     pub contact: Point,
-    /// Height difference to the critical point it would cancel with, mm; infinite for the last of its kind. For a saddle the
+    /// Value of the Morse function there, in its unit.
+    pub value: f64,
+    /// Difference of the values to the critical point it would cancel with; infinite for the last of its kind. For a saddle the
     /// smaller of its pairs.
     pub persistence: f64,
 }
@@ -70,6 +73,29 @@ impl Scalar<'_> {
     #[inline]
     pub fn lower(&self, a: usize, b: usize) -> bool {
         (self.value[a], a) < (self.value[b], b)
+    }
+}
+
+impl Graph for Scalar<'_> {
+    fn len(&self) -> usize {
+        self.value.len()
+    }
+
+    fn is_active(&self, node: usize) -> bool {
+        self.active[node]
+    }
+
+    fn value(&self, node: usize) -> f64 {
+        self.value[node]
+    }
+
+    #[inline]
+    fn each_neighbour(&self, node: usize, see: &mut dyn FnMut(usize)) {
+        for d in LINK {
+            if let Some(j) = self.neighbour(node, d) {
+                see(j);
+            }
+        }
     }
 }
 

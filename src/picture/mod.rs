@@ -14,6 +14,7 @@ mod panel;
 pub mod raster;
 pub mod relief;
 pub mod scene;
+pub mod surface;
 mod text;
 
 pub use canvas::Canvas;
@@ -21,6 +22,7 @@ pub use heat::{Gouge, HeatMap, heat_map};
 pub use raster::Raster;
 pub use relief::View;
 pub use scene::{Line, LineKind, Marker, MarkerKind, Scene, passes, shaded};
+pub use surface::{SurfaceScene, surface_map};
 
 /// Why no picture was made.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

@@ -46,9 +46,9 @@ impl Units {
 /// Decimals of each class of word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Decimals {
-    /// X, Y, Z in mm.
+    /// X, Y, Z, I, J in mm.
     pub mm: u8,
-    /// X, Y, Z in inches.
+    /// X, Y, Z, I, J in inches.
     pub inch: u8,
     /// F in mm/min.
     pub feed_mm: u8,
@@ -63,7 +63,7 @@ pub struct Decimals {
 /// What may be left out when it has not changed since the last line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Modal {
-    /// The G0 or G1 of a line.
+    /// The G0, G1, G2 or G3 of a line.
     pub motion: bool,
     /// An axis that does not move.
     pub axes: bool,

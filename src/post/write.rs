@@ -12,7 +12,8 @@
 use super::definition::Post;
 use super::number;
 use super::template::{Piece, Slot, Template};
-use crate::toolpath::{MoveKind, Toolpath};
+use crate::geom::{Point, Point2};
+use crate::toolpath::{MoveKind, Toolpath, Turn};
 use crate::units::{Mm, MmPerMin, Rpm, Seconds};
 
 /// Coolant during the job.
@@ -116,6 +117,38 @@ pub enum PostError {
         /// Name of the dialect.
         post: String,
     },
+    /// An arc where the dialect has none.
+    #[error(
+        "move {index} is an arc and post {post} has none (arcs = false): make the path of straight lines only"
+    )]
+    NoArcs {
+        /// Index into [`Toolpath::moves`].
+        index: usize,
+        /// Name of the dialect.
+        post: String,
+    },
+    /// An arc that is no cut.
+    #[error("move {index} is a {kind:?} along an arc: only a Cut or a Link may turn")]
+    ArcKind {
+        /// Index into [`Toolpath::moves`].
+        index: usize,
+        /// Its kind.
+        kind: MoveKind,
+    },
+    /// An arc that is not one any more when its ends and centre are written with so few decimals.
+    #[error(
+        "move {index}: the arc about X{} Y{} cannot be written with {decimals} decimals: {problem}", center[0], center[1]
+    )]
+    ArcRounding {
+        /// Index into [`Toolpath::moves`].
+        index: usize,
+        /// Its centre, mm.
+        center: [f64; 2],
+        /// Decimals of a coordinate.
+        decimals: u8,
+        /// What goes wrong.
+        problem: &'static str,
+    },
     /// A line longer than the dialect allows.
     #[error("line {line} has {length} characters and post {post} allows {longest}: {text}")]
     LineTooLong {
@@ -185,7 +218,17 @@ pub fn write(toolpath: &Toolpath, job: &Job, post: &Post) -> Result<Posted, Post
             MoveKind::Plunge => Word::Plunge,
             MoveKind::Cut | MoveKind::Link => Word::Cut,
         };
-        pen.motion(word, to.map(Some))?;
+        let bow = match (&m.turn, m.kind) {
+            (None, _) => None,
+            (Some(turn), MoveKind::Cut | MoveKind::Link) if i > 0 => {
+                pen.bow(i, turn, to, toolpath)?
+            }
+            (Some(_), kind) => return Err(PostError::ArcKind { index: i, kind }),
+        };
+        match bow {
+            None => pen.motion(word, to.map(Some))?,
+            Some(bow) => pen.arc(&bow, to)?,
+        }
         line_of_move.push(pen.last_motion_line);
     }
     if pen.at[2].is_none_or(|z| z < safe_z) {
@@ -207,9 +250,19 @@ enum Word {
     Rapid,
     /// G1 at the plunge feed.
     Plunge,
-    /// G1 at the cutting feed.
+    /// G1 (or an arc) at the cutting feed.
     Cut,
 }
+
+/// An arc as it is written.
+struct Bow {
+    clockwise: bool,
+    /// I and J: from the start to the centre, in units of the last decimal.
+    offset: [i64; 2],
+}
+
+/// Radii of start and end that differ by more than this, mm, are not written: LinuxCNC takes 1.27 um or 0.1 %, GRBL 5 um.
+const RADII_DIFFER: f64 = 0.0012;
 
 /// The text so far and what the machine will remember of it.
 struct Pen<'a> {
@@ -223,7 +276,7 @@ struct Pen<'a> {
     number: u32,
     /// Where each axis is, in units of the last decimal; `None` until told.
     at: [Option<i64>; 3],
-    /// 0 or 1 after a motion.
+    /// 0 to 3 after a motion.
     motion: Option<u8>,
     /// The last F, in units of its last decimal.
     feed: Option<i64>,
@@ -327,6 +380,121 @@ impl<'a> Pen<'a> {
         Ok(counts)
     }
 
+    /// An arc as it is written; `None` where it rounds to less than a unit of the last decimal and a straight line says the same.
+    fn bow(
+        &self,
+        index: usize,
+        turn: &Turn,
+        to: [i64; 3],
+        toolpath: &Toolpath,
+    ) -> Result<Option<Bow>, PostError> {
+        if !self.post.arcs {
+            let post = self.post.name.clone();
+            return Err(PostError::NoArcs { index, post });
+        }
+        let refuse = |problem| PostError::ArcRounding {
+            index,
+            center: [turn.center.x, turn.center.y],
+            decimals: self.decimals,
+            problem,
+        };
+        let mut center = [0; 2];
+        for ((count, value), axis) in center
+            .iter_mut()
+            .zip([turn.center.x, turn.center.y])
+            .zip(['X', 'Y'])
+        {
+            *count = match number::round(value / self.per_unit, self.decimals) {
+                Some(c) => c,
+                None if value.is_finite() => {
+                    return Err(PostError::TooLarge { index, axis, value });
+                }
+                None => return Err(PostError::NotFinite { index, axis, value }),
+            };
+        }
+        let (Some(x), Some(y), Some(before)) = (
+            self.at[0],
+            self.at[1],
+            index.checked_sub(1).and_then(|k| toolpath.moves.get(k)),
+        ) else {
+            return Err(refuse("it has no start"));
+        };
+        let meant = match toolpath.moves.get(index) {
+            Some(m) => turn.sweep(&before.to, &m.to),
+            None => 0.0,
+        };
+        if [x, y] == [to[0], to[1]] && meant.abs() < std::f64::consts::PI {
+            return Ok(None);
+        }
+        let offset = [center[0] - x, center[1] - y];
+        let unit = self.per_unit * 0.1_f64.powi(i32::from(self.decimals));
+        let spoke = |x: i64, y: i64| {
+            let (u, v) = (x - center[0], y - center[1]);
+            Point2::new(u as f64 * unit, v as f64 * unit)
+        };
+        let (start, end) = (spoke(x, y), spoke(to[0], to[1]));
+        let (rs, re) = (start.coords.norm(), end.coords.norm());
+        if rs == 0.0 || re == 0.0 {
+            return Err(refuse("its radius becomes zero"));
+        }
+        if (rs - re).abs() > RADII_DIFFER.max(0.001 * rs.min(re)) {
+            return Err(refuse("the radii at its start and end differ"));
+        }
+        let written = Turn {
+            center: Point2::origin(),
+            clockwise: turn.clockwise,
+        };
+        let flat = |p: Point2| Point::new(p.x, p.y, 0.0);
+        if (written.sweep(&flat(start), &flat(end)) - meant).abs() > std::f64::consts::PI {
+            return Err(refuse(
+                "a sliver of it becomes a whole turn, or the other way round",
+            ));
+        }
+        Ok(Some(Bow {
+            clockwise: turn.clockwise,
+            offset,
+        }))
+    }
+
+    /// A cut along an arc. X and Y are always said: a controller takes an arc without them for a mistake.
+    fn arc(&mut self, bow: &Bow, to: [i64; 3]) -> Result<(), PostError> {
+        let start = self.begin_line();
+        let g = if bow.clockwise { 2 } else { 3 };
+        if !self.post.modal.motion || self.motion != Some(g) {
+            self.out.push_str(if g == 2 { "G2" } else { "G3" });
+            self.motion = Some(g);
+        }
+        let still = self.post.modal.axes && self.at[2] == Some(to[2]);
+        let words = [
+            ('X', Some(to[0])),
+            ('Y', Some(to[1])),
+            ('Z', (!still).then_some(to[2])),
+            ('I', Some(bow.offset[0]).filter(|c| *c != 0)),
+            ('J', Some(bow.offset[1]).filter(|c| *c != 0)),
+        ];
+        for (letter, count) in words {
+            let Some(count) = count else { continue };
+            self.gap(start);
+            self.out.push(letter);
+            number::push(&mut self.out, count, self.decimals);
+        }
+        self.at = to.map(Some);
+        self.feed_word(Some(self.cut_feed), start);
+        self.end_line(start)?;
+        self.last_motion_line = self.lines;
+        Ok(())
+    }
+
+    /// The F word, if it is not what it was.
+    fn feed_word(&mut self, feed: Option<i64>, start: usize) {
+        if let Some(feed) = feed.filter(|f| !self.post.modal.feed || self.feed != Some(*f)) {
+            self.gap(start);
+            self.out.push('F');
+            number::push(&mut self.out, feed, self.post.feed_decimals());
+            self.feed = Some(feed);
+        }
+    }
+
     /// A motion to where it is told; axes that are `None` stay. Writes nothing when nothing would move.
     fn motion(&mut self, word: Word, to: [Option<i64>; 3]) -> Result<(), PostError> {
         let moves = |axis: usize| to[axis].is_some() && to[axis] != self.at[axis];
@@ -353,12 +521,7 @@ impl<'a> Pen<'a> {
             number::push(&mut self.out, count, self.decimals);
             self.at[axis] = Some(count);
         }
-        if let Some(feed) = feed.filter(|f| !self.post.modal.feed || self.feed != Some(*f)) {
-            self.gap(start);
-            self.out.push('F');
-            number::push(&mut self.out, feed, self.post.feed_decimals());
-            self.feed = Some(feed);
-        }
+        self.feed_word(feed, start);
         self.end_line(start)?;
         self.last_motion_line = self.lines;
         Ok(())

@@ -15,78 +15,141 @@
 
 use crate::geom::{Point, Vector};
 
+/// What of a triangle the ball rests on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Rest {
+    /// Its inside.
+    Facet,
+    /// An edge, from corner `.0` to the next, at the share `.1` of it.
+    Edge(usize, f64),
+    /// A corner.
+    Corner(usize),
+}
+
 /// Height of the ball's centre when lowered along (x, y) onto one triangle, and the point it touches. `None` when the ball
 /// passes the triangle by. A triangle without area still has edges and vertices.
 pub fn touch(t: &[Point; 3], radius: f64, x: f64, y: f64) -> Option<(f64, Point)> {
-    let mut best: Option<(f64, Point)> = None;
-    let mut offer = |z: f64, p: Point| {
+    let n = normal(t);
+    let (z, rest) = lower(t, &n, radius, x, y, f64::NEG_INFINITY)?;
+    let point = match rest {
+        Rest::Facet => Point::new(x - radius * n.x, y - radius * n.y, z - radius * n.z),
+        Rest::Corner(i) => t[i],
+        Rest::Edge(i, f) => t[i] + (t[(i + 1) % 3] - t[i]) * f,
+    };
+    Some((z, point))
+}
+
+/// As [`touch`], the height alone.
+#[inline]
+pub fn touch_height(t: &[Point; 3], radius: f64, x: f64, y: f64) -> Option<f64> {
+    touch_above(t, &normal(t), radius, x, y, f64::NEG_INFINITY)
+}
+
+/// As [`touch_height`], for a triangle with its [`normal`]. May answer `None` if it can tell that the height is below `floor`.
+#[inline]
+pub fn touch_above(
+    t: &[Point; 3],
+    n: &Vector,
+    radius: f64,
+    x: f64,
+    y: f64,
+    floor: f64,
+) -> Option<f64> {
+    lower(t, n, radius, x, y, floor).map(|(z, _)| z)
+}
+
+/// Unit normal of a triangle, upwards; zero if it is upright or without area: then its edges do the work.
+pub fn normal(t: &[Point; 3]) -> Vector {
+    let n = (t[1] - t[0]).cross(&(t[2] - t[0]));
+    let len = n.norm();
+    if n.z.abs() <= 1e-12 * len || len <= 0.0 {
+        Vector::zeros()
+    } else {
+        n / if n.z < 0.0 { -len } else { len }
+    }
+}
+
+/// Planes steeper than this (n.z) are too ill-conditioned as heights over (x, y) to refuse a triangle by.
+const STEEP: f64 = 0.01;
+
+#[inline(always)]
+fn lower(
+    t: &[Point; 3],
+    n: &Vector,
+    radius: f64,
+    x: f64,
+    y: f64,
+    floor: f64,
+) -> Option<(f64, Rest)> {
+    if n.z > 0.0 {
+        // The contact, seen from the first corner.
+        let (px, py) = (x - t[0].x - radius * n.x, y - t[0].y - radius * n.y);
+        let z = t[0].z - (px * n.x + py * n.y) / n.z + radius * n.z;
+        let (ux, uy) = (t[1].x - t[0].x, t[1].y - t[0].y);
+        let (vx, vy) = (t[2].x - t[0].x, t[2].y - t[0].y);
+        let (wx, wy) = (vx - ux, vy - uy);
+        // On which side of each edge, in plan; positive inside.
+        let turn = if ux * vy - uy * vx < 0.0 { -1.0 } else { 1.0 };
+        let sides = [
+            turn * (ux * py - uy * px),
+            turn * (wx * (py - uy) - wy * (px - ux)),
+            turn * (vy * px - vx * py),
+        ];
+        if sides.iter().all(|s| *s >= 0.0) {
+            // A ball that touches the inside of a facet cannot be held higher by the same facet's rim.
+            return Some((z, Rest::Facet));
+        }
+        if n.z > STEEP {
+            // The rim is at least so far from the contact; what that costs in height is derived in `bvh`.
+            let mut e2 = 0.0;
+            for (s, len2) in
+                sides
+                    .iter()
+                    .zip([ux * ux + uy * uy, wx * wx + wy * wy, vx * vx + vy * vy])
+            {
+                let d2 = s * s / len2;
+                if *s < 0.0 && d2 > e2 {
+                    e2 = d2;
+                }
+            }
+            if z - e2 / (radius + (radius * radius + e2).sqrt()) < floor {
+                return None;
+            }
+        }
+    }
+    let mut best: Option<(f64, Rest)> = None;
+    let mut offer = |z: f64, rest: Rest| {
         if best.is_none_or(|(b, _)| z > b) {
-            best = Some((z, p));
+            best = Some((z, rest));
         }
     };
-    if let Some((z, p)) = touch_facet(t, radius, x, y) {
-        // A ball that touches the inside of a facet cannot be held higher by the same facet's rim.
-        return Some((z, p));
-    }
     let r2 = radius * radius;
     for i in 0..3 {
         let (a, b) = (&t[i], &t[(i + 1) % 3]);
         let (dx, dy) = (x - a.x, y - a.y);
         let d2 = dx * dx + dy * dy;
         if d2 <= r2 {
-            offer(a.z + (r2 - d2).sqrt(), *a);
+            offer(a.z + (r2 - d2).sqrt(), Rest::Corner(i));
         }
         let (ex, ey, ez) = (b.x - a.x, b.y - a.y, b.z - a.z);
         let len2 = ex * ex + ey * ey;
         if len2 <= 0.0 {
             continue; // upright or a point: its ends hold the ball
         }
+        let per_len2 = 1.0 / len2;
         let cross = dx * ey - dy * ex;
-        let d2 = cross * cross / len2;
+        let d2 = cross * cross * per_len2;
         if d2 > r2 {
             continue;
         }
-        let len = len2.sqrt();
-        let m = ez / len;
-        let slant = (1.0 + m * m).sqrt();
-        let r = (r2 - d2).sqrt();
-        let foot = (dx * ex + dy * ey) / len;
-        let s = foot + r * m / slant;
-        if s < 0.0 || s > len {
-            continue;
+        // r / sqrt(1 + m^2): height of the centre above the contact. Uphill of the axis it lies by m times as much.
+        let up = ((r2 - d2) / (1.0 + ez * ez * per_len2)).sqrt();
+        let f = (dx * ex + dy * ey + up * ez) * per_len2;
+        if (0.0..=1.0).contains(&f) {
+            offer(a.z + ez * f + up, Rest::Edge(i, f));
         }
-        let f = s / len;
-        offer(
-            a.z + m * foot + r * slant,
-            Point::new(a.x + ex * f, a.y + ey * f, a.z + ez * f),
-        );
     }
     best
-}
-
-/// As [`touch`], the height alone.
-#[inline]
-pub fn touch_height(t: &[Point; 3], radius: f64, x: f64, y: f64) -> Option<f64> {
-    touch(t, radius, x, y).map(|(z, _)| z)
-}
-
-fn touch_facet(t: &[Point; 3], radius: f64, x: f64, y: f64) -> Option<(f64, Point)> {
-    let mut n = (t[1] - t[0]).cross(&(t[2] - t[0]));
-    if n.z < 0.0 {
-        n = -n;
-    }
-    let len = n.norm();
-    // Upright or without area: its edges do the work.
-    if n.z <= 1e-12 * len || len <= 0.0 {
-        return None;
-    }
-    let n: Vector = n / len;
-    let (px, py) = (x - radius * n.x, y - radius * n.y);
-    if !inside_in_plan(t, px, py) {
-        return None;
-    }
-    let z = t[0].z - ((px - t[0].x) * n.x + (py - t[0].y) * n.y) / n.z;
-    Some((z + radius * n.z, Point::new(px, py, z)))
 }
 
 /// True when (x, y) lies in the triangle's shadow on the table, rim included. False for upright triangles.

@@ -14,8 +14,10 @@ pub mod contact;
 pub mod crease;
 pub mod drop;
 pub mod grid;
+mod shell;
 
 pub use contact::touch_height;
 pub use crease::{Crease, CreaseOptions, CreasePoint, creases};
 pub use drop::{Contact, DropCutter, Hint};
 pub use grid::{Crossing, GridError, GridOptions, GridPlan, LINK, NodeKind, ToolCentreGrid};
+pub use shell::Heights;

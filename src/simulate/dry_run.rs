@@ -1,15 +1,18 @@
 //! One call: text in, verdict out.
 
-use super::report::{DryRun, Extents, Kind, Problem, ProgramFigures, TimeFigures, Verdict};
+use super::report::{
+    DryRun, Extents, Kind, MotionFigures, Problem, ProgramFigures, TimeFigures, Verdict,
+};
 use super::start::Read;
 use super::{gouge, limits, material, start};
 use crate::gcode::{Dialect, Event};
 use crate::geom::Box3;
-use crate::kinematics::{Settings, program_time};
+use crate::kinematics::{Feed, Settings, Times, link_demand, program_time};
 use crate::machine::Machine;
 use crate::part::Mesh;
 use crate::reach::DropCutter;
-use crate::sweep::{CuspMap, FinishOptions, FinishStats, Reachable, finish};
+use crate::sweep::tiles::area;
+use crate::sweep::{CuspMap, FinishOptions, FinishStats, Paths, ReachTiles, Segment, finish_tiles};
 
 /// The part as it lies in work coordinates, made ready for one ball.
 #[derive(Clone, Copy, Debug)]
@@ -19,7 +22,7 @@ pub struct PartContext<'a> {
     /// The ball over them; its radius is the tool's.
     pub drop: &'a DropCutter,
     /// What it can reach; its lattice is where cusps are judged (see [`judging_step`]).
-    pub reachable: &'a Reachable,
+    pub reachable: &'a ReachTiles<'a>,
 }
 
 /// What stands on the table before the first move.
@@ -68,11 +71,10 @@ impl DryRunOptions {
     }
 }
 
-/// Cells this part is judged on at most (about 50 bytes each).
-const CELLS: f64 = 4e6;
+/// Cells a part is judged on at most: beyond it nobody would wait.
+const CELLS: f64 = 1e9;
 
-/// A lattice step fine enough to see the cusps of this height that this ball leaves: a fourteenth of the stepover on the flat, or
-/// what four million cells allow on a large part. mm.
+/// A lattice step fine enough to see the cusps of this height that this ball leaves: a fourteenth of the stepover on the flat. mm.
 pub fn judging_step(bounds: &Box3, radius: f64, scallop: f64) -> f64 {
     let h = scallop.clamp(0.0, radius);
     let stepover = 2.0 * (2.0 * h * radius - h * h).max(0.0).sqrt();
@@ -98,6 +100,8 @@ pub fn dry_run(
             ..ProgramFigures::default()
         },
         time_s: TimeFigures::default(),
+        motion: MotionFigures::default(),
+        link_demand: None,
         extents: Extents::default(),
         finish: None,
         verdict: Verdict::Pass,
@@ -107,7 +111,11 @@ pub fn dry_run(
         map: None,
     };
     match start::read(text, dialect) {
-        Ok(program) => run(&program, machine, part, options, &mut report),
+        Ok(program) => {
+            let times = program_time(&program.at_zero.events, &Settings::from(machine));
+            feeding(text, &times.per_line, machine, &mut report);
+            run(&program, &times, machine, part, options, &mut report);
+        }
         Err(errors) => {
             report.problems.extend(errors.iter().map(|e| Problem {
                 kind: Kind::Syntax,
@@ -127,6 +135,7 @@ pub fn dry_run(
 
 fn run(
     program: &Read,
+    times: &Times,
     machine: &Machine,
     part: Option<&PartContext>,
     options: &DryRunOptions,
@@ -137,7 +146,6 @@ fn run(
     report.problems.extend(limits.problems);
     report.warnings.extend(limits.warnings);
 
-    let times = program_time(&program.at_zero.events, &Settings::from(machine));
     report.time_s = TimeFigures {
         total: times.total.0,
         cutting: times.cutting.0,
@@ -145,6 +153,7 @@ fn run(
         dwell: times.dwell.0,
         idle: times.idle.0,
     };
+    report.motion = MotionFigures::from(&times.motion);
 
     let radius = part.map_or(0.0, |p| p.drop.radius());
     let (moves, figures) = material::moves(&program.events, radius);
@@ -173,6 +182,55 @@ fn run(
     say_what_is_missing(program, part, limits.machine_moves, report);
 }
 
+/// Share of the time a machine may wait for lines before it is worth a word: such a stand leaves a mark on the surface.
+const STARVED: f64 = 0.01;
+/// Lines per second that an 8-bit GRBL board reads, at least.
+const SLOW_BOARD_LINES: f64 = 200.0;
+/// Receive buffers up to this belong to such boards, bytes.
+const SLOW_BOARD_RX: usize = 256;
+
+/// Compares what the program needs of the link with what the link gives.
+fn feeding(text: &str, seconds: &[f64], machine: &Machine, report: &mut DryRun) {
+    if machine.baud == 0 {
+        return;
+    }
+    let feed = Feed {
+        // Eight bits, a start and a stop.
+        bytes_per_s: f64::from(machine.baud) / 10.0,
+        rx_bytes: machine.rx_buffer,
+        blocks: machine.planner_blocks,
+    };
+    let demand = link_demand(
+        crate::gcode::lines(text).map(|l| l.len() + 1),
+        seconds,
+        &feed,
+    );
+    let mut say = |text: String| {
+        report.warnings.push(Problem {
+            kind: Kind::Link,
+            line: None,
+            text,
+        });
+    };
+    if demand.starved_share > STARVED {
+        say(format!(
+            "the link of {} baud starves the planner for {:.1} s ({:.1} % of the time): up to {:.0} bytes/s are needed and {:.0} come. \
+             Ask for a larger scallop (its tolerances grow with it), a lower feed, or set a higher baud rate",
+            machine.baud,
+            demand.starved_s,
+            100.0 * demand.starved_share,
+            demand.bytes_per_s_needed,
+            demand.bytes_per_s_link
+        ));
+    } else if demand.lines_per_s_p99 > SLOW_BOARD_LINES && machine.rx_buffer <= SLOW_BOARD_RX {
+        say(format!(
+            "up to {:.0} lines/s are needed, and 8-bit boards read 200 to 400: it may stutter. Ask for a larger scallop or a lower feed",
+            demand.lines_per_s_max
+        ));
+    }
+    report.link_demand = Some(demand);
+}
+
 /// Problems of one kind that are listed one by one.
 const LISTED: usize = 20;
 
@@ -183,11 +241,29 @@ fn judge(
     report: &mut DryRun,
 ) {
     let radius = part.drop.radius();
-    let cut = {
-        let stock = material::stock(part, &options.stock);
-        material::cut(moves, part, &stock, options.collision_limit_mm)
-    };
-    for c in cut.collisions.iter().take(LISTED) {
+    let tiles = part.reachable;
+    let which = tiles.touched(moves.iter().map(|m| &m.segment));
+    let feed: Vec<Segment> = moves
+        .iter()
+        .filter(|m| !m.rapid)
+        .map(|m| m.segment)
+        .collect();
+    let paths = Paths::new(&feed, 0.25 * radius, area(tiles.lattice()));
+    drop(feed);
+    let (judged, collisions) = finish_tiles(
+        tiles,
+        &paths,
+        &FinishOptions::for_scallop(options.scallop_mm),
+        |k, reach| {
+            let stock = material::stock(part, reach, &options.stock);
+            let which = which.get(k).map_or(&[][..], Vec::as_slice);
+            let limit = options.collision_limit_mm;
+            material::cut(moves, which, reach.lattice, radius, &stock, limit)
+        },
+    );
+    drop(paths);
+    let collisions = material::deepest_per_line(collisions.into_iter().flatten().collect());
+    for c in collisions.iter().take(LISTED) {
         let p = c.encounter.place;
         report.problems.push(Problem {
             kind: Kind::Collision,
@@ -198,23 +274,14 @@ fn judge(
             ),
         });
     }
-    if cut.collisions.len() > LISTED {
+    if collisions.len() > LISTED {
         report.problems.push(Problem {
             kind: Kind::Collision,
             line: None,
-            text: format!(
-                "and {} more lines like these",
-                cut.collisions.len() - LISTED
-            ),
+            text: format!("and {} more lines like these", collisions.len() - LISTED),
         });
     }
 
-    let judged = finish(
-        part.reachable,
-        &cut.swept,
-        &cut.segments,
-        &FinishOptions::for_scallop(options.scallop_mm),
-    );
     let (map, mut stats): (CuspMap, FinishStats) = match judged {
         Ok(f) => (f.map, f.stats),
         Err(e) => {

@@ -6,7 +6,7 @@ use super::start::Places;
 use crate::gcode::{Event, MotionKind};
 use crate::geom::{Point, Vector};
 use crate::kinematics::chords;
-use crate::sweep::{Encounter, Lattice, Segment, Swept};
+use crate::sweep::{Encounter, Lattice, Reachable, Segment, Swept};
 use crate::units::Mm;
 
 /// Arcs become chords within this, mm.
@@ -86,18 +86,8 @@ pub struct Collision {
     pub encounter: Encounter,
 }
 
-/// What the program leaves.
-pub struct Cut {
-    pub swept: Swept,
-    /// The moves at feed.
-    pub segments: Vec<Segment>,
-    /// One for each line at most, in program order.
-    pub collisions: Vec<Collision>,
-}
-
-/// Height of the stock over each cell before the first move; `-inf` where there is none.
-pub fn stock(part: &PartContext, stock: &Stock) -> Vec<f64> {
-    let r = part.reachable;
+/// Height of the stock over each cell of a tile before the first move; `-inf` where there is none.
+pub fn stock(part: &PartContext, r: &Reachable, stock: &Stock) -> Vec<f64> {
     let b = part.drop.bounds();
     let near = match *stock {
         Stock::Allowance(mm) => highest_near(&r.lattice, &r.reach_z, mm),
@@ -162,40 +152,52 @@ fn highest_near(lattice: &Lattice, z: &[f64], mm: f64) -> Vec<f64> {
     out
 }
 
-/// Cuts all moves in order. `tolerance`: a rapid may touch the stock this deep, mm.
-pub fn cut(moves: &[Move], part: &PartContext, stock: &[f64], tolerance: f64) -> Cut {
-    let radius = part.drop.radius();
+/// Cuts the moves numbered in `which` in order over one tile: what is left, and the rapids that met stock, one for each line at
+/// most, in program order. `tolerance`: a rapid may touch the stock this deep, mm.
+pub fn cut(
+    moves: &[Move],
+    which: &[u32],
+    lattice: Lattice,
+    radius: f64,
+    stock: &[f64],
+    tolerance: f64,
+) -> (Swept, Vec<Collision>) {
     let top = stock.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let mut out = Cut {
-        swept: Swept::new(part.reachable.lattice),
-        segments: Vec::with_capacity(moves.len()),
-        collisions: Vec::new(),
-    };
-    let mut done = 0;
-    for m in moves {
+    let mut swept = Swept::new(lattice);
+    let mut collisions = Vec::new();
+    let mut waiting: Vec<Segment> = Vec::with_capacity(which.len());
+    for m in which.iter().filter_map(|&k| moves.get(k as usize)) {
         if !m.rapid {
-            out.segments.push(m.segment);
+            waiting.push(m.segment);
             continue;
         }
         if m.segment.from.z.min(m.segment.to.z) - radius >= top {
             continue;
         }
-        out.swept.cut(&out.segments[done..], radius);
-        done = out.segments.len();
-        if let Some(encounter) = out.swept.encounter(stock, m.segment, radius, tolerance) {
-            match out.collisions.last_mut() {
-                Some(last) if last.line == m.line => {
-                    if encounter.depth > last.encounter.depth {
-                        last.encounter = encounter;
-                    }
-                }
-                _ => out.collisions.push(Collision {
-                    line: m.line,
-                    encounter,
-                }),
-            }
+        swept.cut_alone(&waiting, radius);
+        waiting.clear();
+        if let Some(encounter) = swept.encounter(stock, m.segment, radius, tolerance) {
+            collisions.push(Collision {
+                line: m.line,
+                encounter,
+            });
         }
     }
-    out.swept.cut(&out.segments[done..], radius);
-    out
+    swept.cut_alone(&waiting, radius);
+    (swept, collisions)
+}
+
+/// The deepest collision of each line, in program order; of equals the one nearest the lower left.
+pub fn deepest_per_line(mut found: Vec<Collision>) -> Vec<Collision> {
+    let key = |c: &Collision| (c.encounter.place.y, c.encounter.place.x);
+    found.sort_by(|a, b| {
+        let (p, q) = (key(a), key(b));
+        a.line
+            .cmp(&b.line)
+            .then(b.encounter.depth.total_cmp(&a.encounter.depth))
+            .then(p.0.total_cmp(&q.0))
+            .then(p.1.total_cmp(&q.1))
+    });
+    found.dedup_by_key(|c| c.line);
+    found
 }

@@ -21,4 +21,6 @@ pub mod report;
 mod start;
 
 pub use dry_run::{DryRunOptions, PartContext, Stock, dry_run, judging_step};
-pub use report::{DryRun, Extents, Kind, Problem, ProgramFigures, TimeFigures, Verdict};
+pub use report::{
+    DryRun, Extents, Kind, MotionFigures, Problem, ProgramFigures, TimeFigures, Verdict,
+};

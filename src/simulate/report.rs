@@ -1,5 +1,6 @@
 //! The dry run's result, as people and machines read it. Names carry the units; serialised names are stable.
 
+use crate::kinematics::{LinkDemand, MotionQuality};
 use crate::sweep::{CuspMap, FinishStats};
 use serde::Serialize;
 
@@ -10,6 +11,10 @@ pub struct DryRun {
     pub program: ProgramFigures,
     /// How long it takes.
     pub time_s: TimeFigures,
+    /// How well it moves.
+    pub motion: MotionFigures,
+    /// What it needs of the link; `None` for a machine that is not fed over one, or a text that cannot be read.
+    pub link_demand: Option<LinkDemand>,
     /// Where the tool tip goes.
     pub extents: Extents,
     /// The surface left; `None` when no part was given.
@@ -73,6 +78,8 @@ pub enum Kind {
     Uncut,
     /// Feed faster than the machine goes.
     Feed,
+    /// Lines come slower than the machine goes.
+    Link,
     /// Nothing in the text moves, or nothing could be judged.
     Nothing,
 }
@@ -88,6 +95,7 @@ impl std::fmt::Display for Kind {
             Kind::Scallop => "scallop",
             Kind::Uncut => "uncut",
             Kind::Feed => "feed",
+            Kind::Link => "link",
             Kind::Nothing => "nothing",
         })
     }
@@ -141,6 +149,41 @@ pub struct TimeFigures {
     pub dwell: f64,
     /// The firmware's settling after standstills.
     pub idle: f64,
+}
+
+/// How well the machine is moved; what each figure is made of stands in [`crate::kinematics::quality`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct MotionFigures {
+    /// Root of the mean square of the tool's vertical acceleration while cutting (feed moves, plunges not): second differences of
+    /// its height every 10 ms along the planner's speeds, within stretches without a rapid, a plunge or a standstill.
+    pub vertical_acceleration_rms_mm_s2: f64,
+    /// The same of its vertical speed: first differences.
+    pub vertical_speed_rms_mm_s: f64,
+    /// Largest turn between two consecutive cutting moves (0: straight on, 180: back), moves below 5 um taken with the next one.
+    pub largest_turn_deg: f64,
+    /// Line that begins with it, from 1; `None` without turns.
+    pub largest_turn_line: Option<usize>,
+    /// Turns of more than 30 degrees.
+    pub turns_over_30: usize,
+    /// Time in the air and in plunges: feed moves straight up or down that begin or end in the air. The text does not tell links
+    /// along the surface from passes.
+    pub non_cutting_s: f64,
+    /// The same as a share of the whole time.
+    pub non_cutting_percent: f64,
+}
+
+impl From<&MotionQuality> for MotionFigures {
+    fn from(q: &MotionQuality) -> MotionFigures {
+        MotionFigures {
+            vertical_acceleration_rms_mm_s2: q.vertical_acceleration_rms,
+            vertical_speed_rms_mm_s: q.vertical_speed_rms,
+            largest_turn_deg: q.largest_turn,
+            largest_turn_line: q.largest_turn_at,
+            turns_over_30: q.turns_over_30,
+            non_cutting_s: q.non_cutting(),
+            non_cutting_percent: q.non_cutting_percent(),
+        }
+    }
 }
 
 /// Box around all places of the tool tip in work coordinates, mm; the unknown start is left out. `None`: nothing moves.

@@ -11,10 +11,14 @@ pub mod nearest;
 pub mod reachable;
 pub mod rest;
 pub mod swept;
+pub mod tiles;
 
-pub use finish::{CuspMap, Finish, FinishError, FinishOptions, FinishStats, Percentiles, finish};
+pub use finish::{
+    CuspMap, Finish, FinishError, FinishOptions, FinishStats, Percentiles, finish, finish_tiles,
+};
 pub use lattice::Lattice;
 pub use nearest::Paths;
 pub use reachable::{Reachable, reachable, reachable_bytes};
 pub use rest::{Rest, RestOptions, RestSpot, rest};
 pub use swept::{Encounter, Segment, Swept};
+pub use tiles::{ReachTiles, Tile};

@@ -1,11 +1,13 @@
 //! Linking: from the end of one pass to the start of the next, along the surface when that is proven and quicker, else through the
 //! air, no higher than needed.
 
-use super::fit::{FitOptions, fit};
+use super::chain::{Chain, exit, quickest_turn, start, surface_link};
+use super::fit::FitOptions;
+use super::lead::{self, Lead};
 use super::moves::{Move, MoveKind, Section, Toolpath};
-use super::pass::Pass;
+use super::pass::{Pass, PassKind};
 use crate::feature::Regions;
-use crate::geom::{Point, Point2, Vector};
+use crate::geom::{Point, Vector};
 use crate::part::Mesh;
 use crate::reach::{DropCutter, Hint};
 
@@ -30,6 +32,10 @@ pub struct LinkOptions {
     pub block_center_z: f64,
     /// Height of the ball's centre at which everything is clear, mm.
     pub safe_center_z: f64,
+    /// Retracts go at least as high as this (a height of the ball's centre); -inf for no higher than is proven safe.
+    pub retract_center_z: f64,
+    /// How much longer a link along the surface may take than a retract, s; -inf to retract after every pass.
+    pub retract_worth: f64,
 }
 
 /// Where the air begins: a ball thicker by the stock allowance, dropped onto the part.
@@ -73,15 +79,18 @@ impl Air {
     }
 }
 
-/// Joins ordered passes into one toolpath: the ball's centre becomes the tool tip, one radius lower. Also says which feature each
+/// A good [`LinkOptions::retract_worth`], s: a retract leaves a mark, and the plunge behind it another.
+pub const RETRACT_WORTH: f64 = 2.0;
+
+/// Joins ordered chains into one toolpath: the ball's centre becomes the tool tip, one radius lower. Also says which feature each
 /// section of it cuts.
 ///
-/// A hop through the air: up at feed until the ball is out of the stock, up at rapid speed, across, down to the clearance above the
-/// stock, and the plunge.
+/// A hop through the air: off the surface along an arc, up at feed until the ball is out of the stock, up at rapid speed, across, down
+/// to the clearance above the stock, the plunge, and along an arc onto the surface.
 pub fn link(
     cutter: &DropCutter,
     air: &Air,
-    ordered: &[Pass],
+    ordered: &[Chain],
     regions: &Regions,
     options: &LinkOptions,
     fitting: &FitOptions,
@@ -91,17 +100,19 @@ pub fn link(
         safe_z: options.safe_center_z - cutter.radius(),
         ..Toolpath::default()
     };
-    let mut at: Option<Point> = None;
+    let mut last: Option<&Pass> = None;
     let mut section_features: Vec<Option<usize>> = Vec::new();
     let mut hint = Hint::default();
-    let go =
-        |moves: &mut Vec<Move>, kind: MoveKind, c: Point| moves.push(Move { kind, to: c + down });
-    for pass in ordered {
-        let run = pass.run();
-        let Some(&start) = run.first() else { continue };
-        if section_features.last() != Some(&pass.feature) {
-            section_features.push(pass.feature);
-            let name = match pass.feature {
+    let go = |moves: &mut Vec<Move>, kind: MoveKind, c: Point| {
+        moves.push(Move::straight(kind, c + down))
+    };
+    for chain in ordered {
+        let Some(first) = chain.first().filter(|p| !p.points.is_empty()) else {
+            continue;
+        };
+        if section_features.last() != Some(&first.feature) {
+            section_features.push(first.feature);
+            let name = match first.feature {
                 Some(k) => format!("feature {} {}", k + 1, regions.features[k].kind.name()),
                 None => "border".to_string(),
             };
@@ -110,57 +121,47 @@ pub fn link(
                 first_move: path.moves.len(),
             });
         }
-        let over_z = air.from(start.x, start.y, &mut hint).max(start.z) + options.clearance;
-        let over = Point::new(start.x, start.y, over_z);
-        match at {
-            None => {
-                go(
-                    &mut path.moves,
-                    MoveKind::Rapid,
-                    Point::new(start.x, start.y, options.safe_center_z.max(over_z)),
-                );
-                go(&mut path.moves, MoveKind::Rapid, over);
-                go(&mut path.moves, MoveKind::Plunge, start);
-            }
-            Some(from) => match stay_down(cutter, air, &from, &start, over_z, options, fitting) {
-                Link::Down(points) => points
-                    .iter()
-                    .for_each(|p| go(&mut path.moves, MoveKind::Link, *p)),
-                Link::Hop { out_z, top_z } => {
-                    go(
-                        &mut path.moves,
-                        MoveKind::Link,
-                        Point::new(from.x, from.y, out_z),
-                    );
-                    go(
-                        &mut path.moves,
-                        MoveKind::Retract,
-                        Point::new(from.x, from.y, top_z),
-                    );
-                    go(
-                        &mut path.moves,
-                        MoveKind::Rapid,
-                        Point::new(start.x, start.y, top_z),
-                    );
-                    if top_z > over_z {
-                        go(&mut path.moves, MoveKind::Rapid, over);
-                    }
-                    go(&mut path.moves, MoveKind::Plunge, start);
-                }
-            },
+        let way = match last {
+            None => Link::Hop(Hop::new(cutter, air, None, first, options, &mut hint)),
+            Some(from) => between(cutter, air, from, first, options, fitting, &mut hint),
+        };
+        match way {
+            Link::Down(points) => points
+                .iter()
+                .for_each(|p| go(&mut path.moves, MoveKind::Link, *p)),
+            Link::Hop(hop) => hop
+                .moves(options, last.is_none())
+                .into_iter()
+                .for_each(|(kind, p)| go(&mut path.moves, kind, p)),
         }
-        run[1..]
-            .iter()
-            .for_each(|p| go(&mut path.moves, MoveKind::Cut, *p));
-        at = run.last().copied();
+        for pass in chain {
+            let kind = if pass.kind == PassKind::Turn {
+                MoveKind::Link
+            } else {
+                MoveKind::Cut
+            };
+            pass.run()[1..]
+                .iter()
+                .for_each(|p| go(&mut path.moves, kind, *p));
+            last = Some(pass);
+        }
     }
-    if let Some(c) = at {
-        let out = air.from(c.x, c.y, &mut hint).max(c.z);
-        go(&mut path.moves, MoveKind::Link, Point::new(c.x, c.y, out));
+    if let Some(from) = last {
+        let out = lead::out(cutter, from, &mut hint);
+        out.points
+            .iter()
+            .for_each(|p| go(&mut path.moves, MoveKind::Link, *p));
+        let c = out.end;
+        let free = air.from(c.x, c.y, &mut hint).max(c.z);
+        go(&mut path.moves, MoveKind::Link, Point::new(c.x, c.y, free));
         go(
             &mut path.moves,
             MoveKind::Retract,
-            Point::new(c.x, c.y, options.safe_center_z.max(out + options.clearance)),
+            Point::new(
+                c.x,
+                c.y,
+                options.safe_center_z.max(free + options.clearance),
+            ),
         );
     }
     (path, section_features)
@@ -170,102 +171,140 @@ pub fn link(
 enum Link {
     /// Along the surface through these centres.
     Down(Vec<Point>),
-    /// Out of the stock at `out_z`, across at `top_z`.
-    Hop { out_z: f64, top_z: f64 },
+    /// Through the air.
+    Hop(Hop),
 }
 
-/// A link along the surface, straight in plan, dropped and proven like a pass; a hop when that is quicker or the ball would fall
-/// past the part.
-fn stay_down(
+/// A way through the air.
+struct Hop {
+    /// Off the surface; none before the first pass.
+    off: Option<Lead>,
+    /// Height at which the ball is out of the stock behind it.
+    out_z: f64,
+    /// Height of the way across.
+    top_z: f64,
+    /// Height above the stock from which it plunges.
+    over_z: f64,
+    /// Onto the surface: its points end on the first of the pass.
+    onto: Lead,
+}
+
+impl Hop {
+    fn new(
+        cutter: &DropCutter,
+        air: &Air,
+        from: Option<&Pass>,
+        to: &Pass,
+        options: &LinkOptions,
+        hint: &mut Hint,
+    ) -> Hop {
+        let onto = lead::onto(cutter, to, hint);
+        let p = onto.end;
+        let over_z = air.from(p.x, p.y, hint).max(p.z) + options.clearance;
+        match from {
+            None => Hop {
+                off: None,
+                out_z: over_z,
+                top_z: options.safe_center_z.max(over_z),
+                over_z,
+                onto,
+            },
+            Some(from) => {
+                let off = lead::out(cutter, from, hint);
+                let out_z = air.from(off.end.x, off.end.y, hint).max(off.end.z);
+                let top_z = (air.along(&off.end, &p).max(out_z) + options.clearance)
+                    .max(over_z)
+                    .max(options.retract_center_z);
+                Hop {
+                    off: Some(off),
+                    out_z,
+                    top_z,
+                    over_z,
+                    onto,
+                }
+            }
+        }
+    }
+
+    fn moves(&self, options: &LinkOptions, first: bool) -> Vec<(MoveKind, Point)> {
+        let mut out = Vec::new();
+        let to = self.onto.end;
+        if let Some(off) = &self.off {
+            let e = off.end;
+            out.extend(off.points.iter().map(|p| (MoveKind::Link, *p)));
+            out.push((MoveKind::Link, Point::new(e.x, e.y, self.out_z)));
+            out.push((MoveKind::Retract, Point::new(e.x, e.y, self.top_z)));
+        }
+        let top = if first {
+            options.safe_center_z.max(self.top_z)
+        } else {
+            self.top_z
+        };
+        out.push((MoveKind::Rapid, Point::new(to.x, to.y, top)));
+        if top > self.over_z || first {
+            out.push((MoveKind::Rapid, Point::new(to.x, to.y, self.over_z)));
+        }
+        out.push((MoveKind::Plunge, to));
+        out.extend(self.onto.points.iter().map(|p| (MoveKind::Link, *p)));
+        out
+    }
+
+    /// Each leg from rest to rest, s.
+    fn time(&self, options: &LinkOptions) -> f64 {
+        let Some(off) = &self.off else { return 0.0 };
+        let (from, to) = (off.end, self.onto.end);
+        let leg = |length: f64, speed: f64| {
+            if length <= 0.0 {
+                return 0.0;
+            }
+            let a = options.acceleration;
+            if length * a >= speed * speed {
+                length / speed + speed / a
+            } else {
+                2.0 * (length / a).sqrt()
+            }
+        };
+        leg(self.out_z - from.z, options.feed)
+            + leg(self.top_z - self.out_z, options.rapid_z)
+            + leg((to.xy() - from.xy()).norm(), options.rapid_xy)
+            + leg(self.top_z - self.over_z, options.rapid_z)
+            + leg(self.over_z - to.z, options.plunge)
+            + (off.length + self.onto.length) / options.feed
+    }
+}
+
+/// A smooth link along the surface, dropped and proven like a pass; a hop when that is quicker or the ball would fall past the part.
+fn between(
     cutter: &DropCutter,
     air: &Air,
-    from: &Point,
-    to: &Point,
-    over_z: f64,
+    from: &Pass,
+    to: &Pass,
     options: &LinkOptions,
     fitting: &FitOptions,
+    hint: &mut Hint,
 ) -> Link {
-    let out_z = air.from(from.x, from.y, &mut Hint::default()).max(from.z);
-    let top_z = (air.along(from, to).max(out_z) + options.clearance).max(over_z);
-    let hop = Link::Hop { out_z, top_z };
-    let flat = (to.xy() - from.xy()).norm();
-    if flat < 1e-6 && (from.z - to.z).abs() < 1e-6 {
+    let hop = Hop::new(cutter, air, Some(from), to, options, hint);
+    let (Some(a), Some(b)) = (from.run().last().copied(), to.points.first().copied()) else {
+        return Link::Hop(hop);
+    };
+    if (a.xy() - b.xy()).norm() < 1e-6 && (a.z - b.z).abs() < 1e-6 {
         return Link::Down(Vec::new());
     }
-    let limit = hop_time(from, to, out_z, top_z, over_z, options);
-    // The least it can take: bail out before the work of dropping it.
-    if flat / options.feed > limit {
-        return hop;
-    }
-    let n = (flat / fitting.probe).ceil().max(1.0) as usize;
-    let curve: Vec<Point2> = (0..=n)
-        .map(|k| from.xy() + (to.xy() - from.xy()) * (k as f64 / n as f64))
-        .collect();
-    let mut runs = fit(cutter, &curve, fitting);
-    if runs.len() != 1 {
-        return hop;
-    }
-    let run = runs.swap_remove(0);
-    // The ends must be the passes' own, not a ball that found another footing at the same place in plan.
-    let ends_meet = run.first().is_some_and(|p| (p - from).norm() < 0.01)
-        && run.last().is_some_and(|p| (p - to).norm() < 0.01);
-    let length: f64 = run.windows(2).map(|w| (w[1] - w[0]).norm()).sum();
-    // One stop, about, at either end.
-    let stop = options.feed / options.acceleration;
-    if !ends_meet || length / options.feed + stop > limit {
-        return hop;
-    }
-    let mut points = run[1..].to_vec();
-    if let Some(end) = points.last_mut() {
-        *end = *to;
-    }
-    Link::Down(points)
-}
-
-/// Time of a hop, each leg from rest to rest.
-fn hop_time(
-    from: &Point,
-    to: &Point,
-    out_z: f64,
-    top_z: f64,
-    over_z: f64,
-    options: &LinkOptions,
-) -> f64 {
-    let leg = |length: f64, speed: f64| {
-        if length <= 0.0 {
-            return 0.0;
-        }
-        let a = options.acceleration;
-        if length * a >= speed * speed {
-            length / speed + speed / a
-        } else {
-            2.0 * (length / a).sqrt()
-        }
+    let limit = hop.time(options) + options.retract_worth;
+    let (Some(p), Some(q)) = (exit(from), start(to)) else {
+        return Link::Hop(hop);
     };
-    leg(out_z - from.z, options.feed)
-        + leg(top_z - out_z, options.rapid_z)
-        + leg((to.xy() - from.xy()).norm(), options.rapid_xy)
-        + leg(top_z - over_z, options.rapid_z)
-        + leg(over_z - to.z, options.plunge)
-}
-
-impl Toolpath {
-    /// About how long this takes, s: lengths over speeds, and a stop for each link. To compare plans of one part with, not to promise.
-    pub fn rough_time(&self, options: &LinkOptions) -> f64 {
-        let stop = options.feed / options.acceleration;
-        self.moves
-            .windows(2)
-            .map(|w| {
-                let length = (w[1].to - w[0].to).norm();
-                let turn = if w[0].kind == w[1].kind { 0.0 } else { stop };
-                turn + match w[1].kind {
-                    MoveKind::Cut | MoveKind::Link => length / options.feed,
-                    MoveKind::Plunge => length / options.plunge,
-                    MoveKind::Rapid | MoveKind::Retract => {
-                        length / options.rapid_xy.min(options.rapid_z)
-                    }
-                }
-            })
-            .sum()
+    // The least it can take: bail out before the work of dropping it.
+    let (way, time) = quickest_turn(&p, &q, options);
+    if time > limit {
+        return Link::Hop(hop);
     }
+    let Some(points) = surface_link(cutter, &way, &a, &b, options, fitting) else {
+        return Link::Hop(hop);
+    };
+    let length: f64 = points.windows(2).map(|w| (w[1] - w[0]).norm()).sum();
+    if length / options.feed > limit {
+        return Link::Hop(hop);
+    }
+    Link::Down(points[1..].to_vec())
 }

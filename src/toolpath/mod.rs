@@ -8,8 +8,18 @@
 //! Crosses the border: a [`Toolpath`] of typed moves of the *tool tip* in work coordinates, mm. Inside, passes are places of the
 //! ball's *centre*. Knows nothing of dialects; of the machine only the few speeds in [`LinkOptions`] that decide between two links.
 
+pub mod arcs;
+mod border;
+pub mod chain;
+mod corner;
+pub mod curve;
+mod detail;
+mod estimate;
+mod even;
 pub mod fill;
 pub mod fit;
+mod layout;
+mod lead;
 pub mod link;
 pub mod moves;
 pub mod order;
@@ -17,10 +27,15 @@ pub mod pass;
 pub mod pencil;
 pub mod plan;
 mod skeleton;
+mod stroke;
+mod turn;
 pub mod wall;
 
-pub use fit::FitOptions;
-pub use link::LinkOptions;
-pub use moves::{Move, MoveKind, Section, Toolpath};
-pub use pass::{Pass, PassKind};
-pub use plan::{Ground, Plan, PlanOptions, Stage, Strategy};
+pub use arcs::{ArcOptions, arcs};
+pub use detail::DEFAULT_WALL_ANGLE;
+pub use fit::{FitOptions, FitReport, proof};
+pub use layout::{FILL_START, Layout, PLAN_SHARES, flat_stepover};
+pub use link::{LinkOptions, RETRACT_WORTH};
+pub use moves::{Move, MoveKind, Section, Toolpath, Turn};
+pub use pass::{Pass, PassKind, PassOptions};
+pub use plan::{Candidate, Figures, Ground, Plan, PlanOptions, Stage, Strategy};

@@ -1,20 +1,23 @@
-//! The order of passes: feature by feature, always on to the nearest end.
+//! The order of chains: feature by feature, always on to what can be entered soonest, then improved by turning parts of the tour round.
 
+use super::chain::Chain;
 use super::pass::Pass;
 use crate::geom::Point;
 
-/// Puts passes in an order that keeps moves between them short: a feature is finished before the next is begun, and each next pass is
-/// the one that can be entered nearest to where the tool is (an open one from either end, a closed one anywhere; ties by place in the
-/// list). Passes are turned round or rotated to begin there. O(n^2) in the passes of a feature.
-pub fn order(passes: Vec<Pass>, start: Point) -> Vec<Pass> {
-    let mut groups: Vec<(Option<usize>, Vec<Pass>)> = Vec::new();
-    for p in passes {
-        match groups.iter_mut().find(|g| g.0 == p.feature) {
-            Some(g) => g.1.push(p),
-            None => groups.push((p.feature, vec![p])),
+/// Puts chains in an order that keeps moves between them short: a feature is finished before the next is begun. Chains are turned
+/// round, and single loops rotated, to begin where they are entered. O(n^2) in the chains of a feature.
+pub fn order(chains: Vec<Chain>, start: Point) -> Vec<Chain> {
+    let mut groups: Vec<(Option<usize>, Vec<Chain>)> = Vec::new();
+    for c in chains {
+        let Some(feature) = c.first().map(|p| p.feature) else {
+            continue;
+        };
+        match groups.iter_mut().find(|g| g.0 == feature) {
+            Some(g) => g.1.push(c),
+            None => groups.push((feature, vec![c])),
         }
     }
-    let mut out = Vec::new();
+    let mut out: Vec<Chain> = Vec::new();
     let mut at = start;
     while !groups.is_empty() {
         let nearest = (0..groups.len())
@@ -23,44 +26,145 @@ pub fn order(passes: Vec<Pass>, start: Point) -> Vec<Pass> {
                     groups[k]
                         .1
                         .iter()
-                        .map(|p| entry(p, &at).0)
+                        .map(|c| entry(c, &at).0)
                         .fold(f64::INFINITY, f64::min),
                     k,
                 )
             })
             .reduce(|a, b| if b.0 < a.0 { b } else { a });
         let Some((_, k)) = nearest else { break };
-        let mut left = groups.remove(k).1;
-        while !left.is_empty() {
-            let best = (0..left.len())
-                .map(|i| (entry(&left[i], &at), i))
-                .reduce(|a, b| if b.0.0 < a.0.0 { b } else { a });
-            let Some(((_, from), i)) = best else { break };
-            let mut p = left.remove(i);
-            if p.closed {
-                p.points.rotate_left(from);
-                at = p.points[0];
-            } else {
-                if from > 0 {
-                    p.points.reverse();
-                }
-                at = p.points[p.points.len() - 1];
-            }
-            out.push(p);
+        let tour = shorter(greedy(groups.remove(k).1, at), &at);
+        if let Some(end) = tour.last().and_then(end_of) {
+            at = end;
         }
+        out.extend(tour);
     }
     out
 }
 
-/// Distance (mm) to the nearest point at which a pass can be entered, and its index.
-fn entry(p: &Pass, at: &Point) -> (f64, usize) {
-    let n = p.points.len();
-    let candidates: &mut dyn Iterator<Item = usize> = if p.closed {
-        &mut (0..n)
+/// Always the nearest next (ties by place in the list).
+fn greedy(mut left: Vec<Chain>, start: Point) -> Vec<Chain> {
+    let mut out = Vec::with_capacity(left.len());
+    let mut at = start;
+    while !left.is_empty() {
+        let best = (0..left.len())
+            .map(|i| (entry(&left[i], &at), i))
+            .reduce(|a, b| if b.0.0 < a.0.0 { b } else { a });
+        let Some(((_, from), i)) = best else { break };
+        let mut c = left.remove(i);
+        if let [one] = c.as_mut_slice()
+            && one.closed
+        {
+            one.points.rotate_left(from);
+        } else if from > 0 {
+            c = reversed(c);
+        }
+        if let Some(end) = end_of(&c) {
+            at = end;
+        }
+        out.push(c);
+    }
+    out
+}
+
+/// Tours longer than this are left as the nearest-neighbour rule made them.
+const IMPROVED: usize = 1500;
+
+/// 2-opt: a stretch of the tour is gone the other way round where that shortens it, until nothing does.
+fn shorter(tour: Vec<Chain>, start: &Point) -> Vec<Chain> {
+    let n = tour.len();
+    if !(3..=IMPROVED).contains(&n) {
+        return tour;
+    }
+    let ends: Vec<[Point; 2]> = tour
+        .iter()
+        .filter_map(|c| Some([start_of(c)?, end_of(c)?]))
+        .collect();
+    if ends.len() != n {
+        return tour;
+    }
+    // (chain, backwards)
+    let mut at: Vec<(usize, bool)> = (0..n).map(|i| (i, false)).collect();
+    let entry = |p: (usize, bool)| ends[p.0][usize::from(p.1)];
+    let exit = |p: (usize, bool)| ends[p.0][usize::from(!p.1)];
+    for _ in 0..20 {
+        let mut better = false;
+        for i in 0..n {
+            let before = if i == 0 { *start } else { exit(at[i - 1]) };
+            for j in i..n {
+                // Reverse at[i..=j].
+                let old = (entry(at[i]) - before).norm()
+                    + if j + 1 < n {
+                        (entry(at[j + 1]) - exit(at[j])).norm()
+                    } else {
+                        0.0
+                    };
+                let new = (exit(at[j]) - before).norm()
+                    + if j + 1 < n {
+                        (entry(at[j + 1]) - entry(at[i])).norm()
+                    } else {
+                        0.0
+                    };
+                if new < old - 1e-9 {
+                    at[i..=j].reverse();
+                    at[i..=j].iter_mut().for_each(|p| p.1 = !p.1);
+                    better = true;
+                }
+            }
+        }
+        if !better {
+            break;
+        }
+    }
+    let mut tour: Vec<Option<Chain>> = tour.into_iter().map(Some).collect();
+    at.into_iter()
+        .filter_map(|(k, back)| {
+            let c = tour[k].take()?;
+            Some(if back { reversed(c) } else { c })
+        })
+        .collect()
+}
+
+fn reversed(mut c: Chain) -> Chain {
+    c.reverse();
+    for p in &mut c {
+        if p.closed {
+            p.points[1..].reverse();
+        } else {
+            p.points.reverse();
+        }
+    }
+    c
+}
+
+fn start_of(c: &Chain) -> Option<Point> {
+    c.first()?.points.first().copied()
+}
+
+fn end_of(c: &Chain) -> Option<Point> {
+    let last: &Pass = c.last()?;
+    if last.closed {
+        last.points.first().copied()
     } else {
-        &mut [0, n - 1].into_iter()
-    };
-    candidates
-        .map(|i| ((p.points[i] - at).norm(), i))
+        last.points.last().copied()
+    }
+}
+
+/// Distance (mm) to the nearest place at which a chain can be entered: 0 for its start, 1 for its end; any point of a single loop.
+fn entry(c: &Chain, at: &Point) -> (f64, usize) {
+    if let [one] = c.as_slice()
+        && one.closed
+    {
+        return one
+            .points
+            .iter()
+            .enumerate()
+            .map(|(i, p)| ((p - at).norm(), i))
+            .fold((f64::INFINITY, 0), |a, b| if b.0 < a.0 { b } else { a });
+    }
+    [start_of(c), end_of(c)]
+        .into_iter()
+        .enumerate()
+        .filter_map(|(i, p)| Some(((p? - at).norm(), i)))
         .fold((f64::INFINITY, 0), |a, b| if b.0 < a.0 { b } else { a })
 }

@@ -1,10 +1,12 @@
-//! Passes: level curves of a feature, trimmed to the ground that is its own, and the loop along the part's border.
+//! Passes: level curves of a feature, trimmed to the ground that is its own.
 
-use super::fit::{FitOptions, fit, resample, rest, smooth};
+use super::border::border;
+use super::corner::round_corners;
+use super::fit::{FitOptions, fit, resample, smooth};
 use super::wall::Steep;
 use crate::feature::{Feature, Regions};
 use crate::field::level_curves;
-use crate::geom::{Point, Point2};
+use crate::geom::{Point, Point2, Vector2};
 use crate::reach::{Contact, DropCutter, Hint, NodeKind, ToolCentreGrid};
 use rayon::prelude::*;
 
@@ -21,6 +23,8 @@ pub enum PassKind {
     Pencil,
     /// Where the others left too high a cusp.
     Fill,
+    /// From one pass to the next, on the surface.
+    Turn,
 }
 
 /// One continuous run of cutting.
@@ -67,18 +71,41 @@ impl Pass {
     }
 }
 
+/// Rounds of evening out that a corner may take.
+pub const CORNER_ROUNDS: usize = 120;
 /// Passes run on this far (in passes) into ground already taken, so that they end on its rim for certain.
 const OVERLAP: f64 = 0.1;
 
-/// Level passes of all features but for the walls, and the border loops. All cores; the order does not depend on them.
+/// How exactly passes are laid on the surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fitted {
+    /// Only to be measured: dropped at every step of the grid, the chords between not proven.
+    Draft,
+    /// To be cut.
+    Proven,
+}
+
+/// Shape of passes, mm.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PassOptions {
+    /// How exactly they are laid.
+    pub detail: Fitted,
+    /// Flat stepover of the job.
+    pub stepover: f64,
+    /// Radius that corners of level curves are rounded to.
+    pub corner: f64,
+}
+
+/// Level passes of all features but for the walls, by rising level, and then the stretches of the border that they leave. All cores; the order does not depend on them.
 pub fn passes(
     grid: &ToolCentreGrid,
     cutter: &DropCutter,
     regions: &Regions,
+    how: &PassOptions,
     steep: &Steep,
     fitting: &FitOptions,
 ) -> Vec<Pass> {
-    let mut out: Vec<Pass> = border(grid, cutter, regions, fitting);
+    let mut out: Vec<Pass> = Vec::new();
     for (index, feature) in regions.features.iter().enumerate() {
         let curves = trimmed_levels(grid, feature, steep);
         let fitted: Vec<Vec<Pass>> = curves
@@ -87,9 +114,13 @@ pub fn passes(
                 // Grid noise is shorter than two steps: even it out before it becomes jerk.
                 let mut even = resample(curve, *closed, 0.7 * grid.step);
                 smooth(&mut even, *closed, 2);
-                on_ground(grid, cutter, &even, *closed)
+                round_corners(&mut even, *closed, how.corner, CORNER_ROUNDS);
+                on_ground(grid, cutter, &even, *closed, how.stepover)
                     .into_iter()
-                    .flat_map(|(piece, closed)| laid(cutter, &piece, closed, fitting))
+                    .flat_map(|(piece, closed)| match how.detail {
+                        Fitted::Proven => laid(cutter, &piece, closed, fitting),
+                        Fitted::Draft => vec![(dropped(cutter, &piece, fitting.gouge), closed)],
+                    })
                     // What touches the ground in one place is no pass, but a plunge for nothing.
                     .filter(|(points, _)| points.len() > 1)
                     .map(|(points, closed)| Pass {
@@ -103,8 +134,41 @@ pub fn passes(
             .collect();
         out.extend(fitted.into_iter().flatten());
     }
+    out.extend(border(grid, cutter, regions, fitting));
     out
 }
+
+/// The ball at the points of a curve in plan where it rests, but for those that lie within `slack` of a straight line between others.
+fn dropped(cutter: &DropCutter, curve: &[Point2], slack: f64) -> Vec<Point> {
+    let mut hint = Hint::default();
+    let all: Vec<Point> = curve
+        .iter()
+        .filter_map(|q| cutter.drop_near(q.x, q.y, &mut hint).map(|c| c.center))
+        .collect();
+    let straight = |i: usize, j: usize| {
+        let e = all[j] - all[i];
+        let l2 = e.norm_squared();
+        all[i + 1..j].iter().all(|p| {
+            let d = p - all[i];
+            let along = if l2 > 0.0 { d.dot(&e) / l2 } else { 0.0 };
+            (d - e * along).norm_squared() <= slack * slack
+        })
+    };
+    let mut out: Vec<Point> = all.first().copied().into_iter().collect();
+    let mut i = 0;
+    while i + 1 < all.len() {
+        let mut j = i + 1;
+        while j + 1 < all.len() && j + 1 - i <= LONGEST_DRAFT && straight(i, j + 1) {
+            j += 1;
+        }
+        out.push(all[j]);
+        i = j;
+    }
+    out
+}
+
+/// Points that one segment of a draft may stand for.
+const LONGEST_DRAFT: usize = 24;
 
 /// Drops and fits one curve in plan; a closed curve that stays whole comes back closed.
 pub fn laid(
@@ -193,12 +257,15 @@ fn kept(at: &[(Point2, f64)], closed: bool) -> Vec<(Vec<Point2>, bool)> {
     out
 }
 
-/// The runs of a curve on which the ball rests on the part rather than rolls round its outline, ended on the border exactly.
+/// The runs of a curve on which the ball rests on the part rather than rolls round its outline. They end on the border, or as far
+/// beyond it as the ground half a `stepover` beside them goes on: a pass that meets the border at a slant would otherwise leave a
+/// corner of its strip.
 fn on_ground(
     grid: &ToolCentreGrid,
     cutter: &DropCutter,
     curve: &[Point2],
     closed: bool,
+    stepover: f64,
 ) -> Vec<(Vec<Point2>, bool)> {
     let mut hint = Hint::default();
     let reach = grid.outline_reach();
@@ -231,7 +298,21 @@ fn on_ground(
     let steps = if closed { n + 1 } else { n };
     let mut out: Vec<(Vec<Point2>, bool)> = Vec::new();
     let mut run: Vec<Point2> = Vec::new();
+    // Whether the run began on the border.
+    let mut entered = false;
     let mut last: Option<usize> = None;
+    let mut ended =
+        |mut run: Vec<Point2>, first: bool, last: bool, ask: &mut dyn FnMut(&Point2) -> bool| {
+            if last {
+                overrun(&mut run, stepover, ask);
+            }
+            if first {
+                run.reverse();
+                overrun(&mut run, stepover, ask);
+                run.reverse();
+            }
+            out.push((run, false));
+        };
     for k in 0..steps {
         let i = (start + k) % n;
         if let Some(j) = last
@@ -247,8 +328,11 @@ fn on_ground(
                 if ask(&m) { inside = m } else { outside = m }
             }
             run.push(inside);
-            if !good[i] {
-                out.push((std::mem::take(&mut run), false));
+            if good[i] {
+                entered = true;
+            } else {
+                ended(std::mem::take(&mut run), entered, true, &mut ask);
+                entered = false;
             }
         }
         if good[i] {
@@ -257,64 +341,35 @@ fn on_ground(
         last = Some(i);
     }
     if !run.is_empty() {
-        out.push((run, false));
+        ended(run, entered, false, &mut ask);
     }
     out
 }
 
-/// Loops along the border of the ground, through the border crossings of the grid.
-fn border(
-    grid: &ToolCentreGrid,
-    cutter: &DropCutter,
-    regions: &Regions,
-    fitting: &FitOptions,
-) -> Vec<Pass> {
-    let value = |n: usize| {
-        if grid.kind[n] == NodeKind::Ground {
-            1.0
-        } else {
-            0.0
-        }
+/// Lengthens a run straight on beyond its last point, which lies on the border, while there is ground half a stepover to either side of
+/// it.
+fn overrun(run: &mut Vec<Point2>, stepover: f64, ask: &mut dyn FnMut(&Point2) -> bool) {
+    let n = run.len();
+    // The heading over a third of a stepover: the last points are close together.
+    let end = run[n - 1];
+    let Some(back) = run
+        .iter()
+        .rev()
+        .find(|q| (end - *q).norm() > 0.3 * stepover)
+    else {
+        return;
     };
-    let crossing = |a: u32, b: u32| -> Option<Point2> {
-        let inside = if grid.kind[a as usize] == NodeKind::Ground {
-            a
-        } else {
-            b
-        };
-        let outside = a ^ b ^ inside;
-        let from = grid.crossings.partition_point(|c| c.inside < inside);
-        grid.crossings[from..]
-            .iter()
-            .take_while(|c| c.inside == inside)
-            .find(|c| c.outside == outside)
-            .map(|c| c.contact.center.xy())
-    };
-    let mut out = Vec::new();
-    for curve in level_curves(grid, &value, &[0.5]) {
-        let at: Vec<Point2> = curve.at.iter().filter_map(|e| crossing(e.a, e.b)).collect();
-        let feature = curve
-            .at
-            .iter()
-            .flat_map(|e| [e.a, e.b])
-            .map(|n| regions.label[n as usize])
-            .find(|l| *l > 0)
-            .map(|l| l as usize - 1);
-        let mut even = resample(&at, curve.closed, 0.7 * grid.step);
-        // Border centres jump from facet to facet with their normals; rolling a little round the outline costs nothing.
-        smooth(&mut even, curve.closed, 4);
-        let mut hint = Hint::default();
-        even.retain(|q| rest(cutter, q.x, q.y, &mut hint).is_some());
-        for (points, closed) in laid(cutter, &even, curve.closed, fitting) {
-            if points.len() > 1 {
-                out.push(Pass {
-                    kind: PassKind::Border,
-                    feature,
-                    points,
-                    closed,
-                });
-            }
-        }
+    let along = (end - back).normalize();
+    let aside = Vector2::new(-along.y, along.x) * (0.5 * stepover);
+    let steps = 6;
+    let gap = stepover / steps as f64;
+    let far = (1..=steps)
+        .take_while(|&k| {
+            let q = end + along * (gap * k as f64);
+            ask(&(q + aside)) || ask(&(q - aside))
+        })
+        .last();
+    if let Some(k) = far {
+        run.extend((1..=k).map(|i| end + along * (gap * i as f64)));
     }
-    out
 }

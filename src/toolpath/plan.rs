@@ -1,51 +1,64 @@
 //! The whole shape half in one call: a placed part in, a proven toolpath out, with everything seen on the way.
 
-use super::fill::{FillOptions, FillReport, fill, segments};
+use super::detail::Detail;
+use super::estimate::{best_raster_angle, best_source};
+use super::fill::{FillReport, far};
 use super::fit::FitOptions;
-use super::link::{Air, LinkOptions, link};
-use super::moves::Toolpath;
-use super::order::order;
-use super::pass::{Pass, passes};
-use super::pencil::{PencilOptions, needed, pencil};
-use super::wall::{Steep, TooDeep, Uprights, WallOptions, steep, walls};
-use crate::feature::{GrowOptions, Regions, grow};
+use super::layout::{Bench, Layout, flat_stepover, lay, regions_of, sweep_step};
+use super::link::{Air, LinkOptions};
+use super::moves::{MoveKind, Toolpath};
+use super::pass::Pass;
+use super::wall::TooDeep;
+use crate::feature::Regions;
 use crate::field::{Metric, Ruler};
-use crate::geom::{Point, Vector2};
+use crate::geom::Vector2;
 use crate::morse::{CriticalPoint, HeightField, MorseOptions, critical_points};
 use crate::part::Mesh;
-use crate::reach::{Crease, DropCutter, GridError, GridOptions, GridPlan, ToolCentreGrid, creases};
-use crate::sweep::{Reachable, reachable, reachable_bytes};
+use crate::reach::{DropCutter, GridError, GridOptions, GridPlan, ToolCentreGrid};
+use crate::sweep::{ReachTiles, reachable_bytes};
 
-/// How passes are spaced.
+/// What becomes a feature, and how passes are spaced in it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Strategy {
-    /// Equal cusps everywhere.
+    /// The quickest of the others.
+    Auto,
+    /// Features grown from critical points, equal cusps everywhere.
     IsoScallop,
-    /// Equal distance on the part.
+    /// Features grown from critical points, equal distance on the part.
     IsoPickFeed,
-    /// Plane sections; the angle of the passes from X, degrees.
+    /// Features grown from critical points, plane sections; the angle of the passes from X, degrees.
     Isoplanar(f64),
+    /// The whole part as one feature from its best side or corner, equal cusps everywhere.
+    Whole,
+    /// The whole part in plane sections at the widest step that leaves no cusp over the wanted one anywhere; the angle of the passes
+    /// from X, degrees, or the quickest one.
+    Raster(Option<f64>),
 }
 
 impl Strategy {
     /// The word used on the command line and in reports.
     pub fn name(self) -> &'static str {
         match self {
+            Strategy::Auto => "auto",
             Strategy::IsoScallop => "iso-scallop",
             Strategy::IsoPickFeed => "iso-pick-feed",
             Strategy::Isoplanar(_) => "isoplanar",
+            Strategy::Whole => "whole",
+            Strategy::Raster(_) => "raster",
         }
     }
 
-    fn ruler(self) -> Ruler {
+    /// How distance is measured.
+    pub fn ruler(self) -> Ruler {
+        let across = |degrees: f64| {
+            let (s, c) = degrees.to_radians().sin_cos();
+            Ruler::Isoplanar(Vector2::new(-s, c))
+        };
         match self {
-            Strategy::IsoScallop => Ruler::IsoScallop,
+            Strategy::Auto | Strategy::IsoScallop | Strategy::Whole => Ruler::IsoScallop,
             Strategy::IsoPickFeed => Ruler::IsoPickFeed,
-            Strategy::Isoplanar(degrees) => {
-                // Distance is measured across the passes.
-                let (s, c) = degrees.to_radians().sin_cos();
-                Ruler::Isoplanar(Vector2::new(-s, c))
-            }
+            Strategy::Isoplanar(degrees) => across(degrees),
+            Strategy::Raster(degrees) => across(degrees.unwrap_or(0.0)),
         }
     }
 }
@@ -78,6 +91,8 @@ pub enum Stage {
     Reach,
     /// Critical points.
     Morse,
+    /// Estimates of what to lay.
+    Choose,
     /// Metric, fields, features.
     Features,
     /// Passes dropped and fitted.
@@ -89,22 +104,6 @@ pub enum Stage {
     /// Order and links.
     Link,
 }
-
-/// Cusps are planned at one of these shares of what is wanted; the rest is for what the field, the fit and the rounding take, and for
-/// facets and noise: ground that is rough by a few micrometres leaves higher cusps than its metric says. Where filling costs more than
-/// closer passes would, the next share is tried (with 5 um of noise, 0.7 h is a fifth shorter than 0.92 h and its 2,000 fills).
-pub const PLAN_SHARES: [f64; 4] = [0.92, 0.85, 0.78, 0.70];
-/// Fills no longer than this share of the passes are not worth a second plan.
-const FILL_SHARE: f64 = 0.005;
-/// Fill where a cusp is higher than this share of what is wanted: below it lie what a lattice and a facet do to a measurement, and
-/// hundreds of bits whose links cost more than they mend.
-pub const FILL_START: f64 = 1.03;
-/// Ground steeper than this is a wall, degrees from the horizontal.
-pub const DEFAULT_WALL_ANGLE: f64 = 75.0;
-/// A crease gets a pencil pass where more than this share of the cusp wanted stands in it.
-const PENCIL_START: f64 = 0.75;
-/// Cells of the sweep map in a flat stepover: a cusp between two cells is then seen within a few percent.
-pub const CELLS_PER_STEPOVER: f64 = 14.0;
 
 /// The shape a plan is made of, independent of the strategy.
 #[derive(Debug)]
@@ -138,23 +137,70 @@ pub struct Plan {
     pub spaced_for: f64,
     /// Walls left standing because the flutes are too short for them.
     pub too_deep: Vec<TooDeep>,
+    /// What was laid.
+    pub layout: Layout,
+    /// Figures of its toolpath.
+    pub figures: Figures,
+    /// Everything that was laid and weighed, this plan among them, with the two rasters to compare with.
+    pub candidates: Vec<Candidate>,
 }
 
-/// Stepover that leaves a cusp of `scallop` on the flat, mm.
-pub fn flat_stepover(scallop: f64, radius: f64) -> f64 {
-    (8.0 * scallop * radius - 4.0 * scallop * scallop)
-        .max(0.0)
-        .sqrt()
+/// What a toolpath takes on the machine.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Figures {
+    /// From first to last motion, s.
+    pub time_s: f64,
+    /// Links along the surface, s.
+    pub link_s: f64,
+    /// Through the air and straight up and down, s.
+    pub air_s: f64,
+    /// Root of the mean square of the tool's vertical acceleration while it cuts, mm/s2.
+    pub vertical_acceleration_rms: f64,
+    /// Largest turn between consecutive cutting moves, degrees.
+    pub largest_turn_deg: f64,
 }
 
-/// Cells of a sweep map at most, so that a large part is judged more coarsely rather than not at all.
-const CELLS: f64 = 24e6;
+/// Weighs a toolpath with the machine's own planner.
+pub type Weigh<'a> = &'a (dyn Fn(&Toolpath) -> Figures + Sync);
 
-/// Step of the sweep map over a part that resolves such a cusp, mm.
-pub fn sweep_step(cutter: &DropCutter, scallop: f64) -> f64 {
-    let (size, r) = (cutter.bounds().size(), cutter.radius());
-    let area = (size.x + 2.0 * r) * (size.y + 2.0 * r);
-    (flat_stepover(scallop, r) / CELLS_PER_STEPOVER).max((area / CELLS).sqrt())
+/// One way of cutting the part, laid whole and weighed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Candidate {
+    /// What it is: a strategy, and where it begins or runs.
+    pub name: String,
+    /// Length of its moves at cutting feed, links among them, mm.
+    pub cut_mm: f64,
+    /// Cutting passes.
+    pub passes: usize,
+    /// Times it leaves the surface between passes and at the end.
+    pub retracts: usize,
+    /// What it takes.
+    pub figures: Figures,
+    /// The plan is this one.
+    pub chosen: bool,
+}
+
+impl Candidate {
+    pub(super) fn of(name: String, path: &Toolpath, passes: usize, figures: Figures) -> Candidate {
+        let at_feed = |k: MoveKind| matches!(k, MoveKind::Cut | MoveKind::Link);
+        Candidate {
+            name,
+            cut_mm: path
+                .moves
+                .windows(2)
+                .filter(|w| at_feed(w[1].kind))
+                .map(|w| (w[1].to - w[0].to).norm())
+                .sum(),
+            passes,
+            retracts: path
+                .moves
+                .iter()
+                .filter(|m| m.kind == MoveKind::Retract)
+                .count(),
+            figures,
+            chosen: false,
+        }
+    }
 }
 
 /// Height differences that mean nothing: the largest of one and a half cusps, twice the height a grid step hides on gentle
@@ -229,178 +275,75 @@ pub fn survey(
 
 /// Grows the features of a surveyed part, with a field whose unit is a cusp of `spaced_for` mm.
 pub fn features(ground: &Ground, strategy: Strategy, spaced_for: f64) -> Regions {
-    let ruler = strategy.ruler();
     let cusp = Metric::new(&ground.grid, Ruler::IsoScallop, spaced_for);
-    let own = (ruler != Ruler::IsoScallop).then(|| Metric::new(&ground.grid, ruler, spaced_for));
-    let how = GrowOptions {
-        ruler,
-        passes_min: 2.0,
-        margin: 5.0,
-        over_share: 0.005,
-    };
-    grow(
-        &ground.grid,
-        &cusp,
-        own.as_ref().unwrap_or(&cusp),
-        &ground.critical,
-        &how,
-    )
+    regions_of(ground, &Layout::Features(strategy), spaced_for, &cusp)
 }
+
+/// Grids with more nodes than this are laid once: what to lay is decided from estimates, and nothing is laid only to compare with.
+const LAID_TWICE: usize = 3_000_000;
 
 /// Plans the toolpath of a surveyed part (`part` is the mesh its cutter was made from). Also hands back the reachable surface it was
-/// judged against.
-pub fn plan(
+/// judged against, in tiles.
+pub fn plan<'g>(
     part: &Mesh,
-    ground: &Ground,
+    ground: &'g Ground,
     options: &PlanOptions,
     links: &LinkOptions,
+    weigh: Weigh,
     stage: &mut dyn FnMut(Stage),
-) -> (Plan, Reachable) {
+) -> (Plan, ReachTiles<'g>) {
     stage(Stage::Reachable);
-    let reach = reachable(&ground.cutter, sweep_step(&ground.cutter, options.scallop));
+    let step = sweep_step(&ground.cutter, options.scallop);
+    let stepover = flat_stepover(options.scallop, ground.cutter.radius());
+    let reach = ReachTiles::new(&ground.cutter, step, far(stepover, step) as usize + 1);
     let air = Air::new(part, &ground.cutter, links);
     let detail = Detail::find(part, ground, options);
-    let mut best = plan_at(
+    let bench = Bench {
         ground,
-        &reach,
-        &air,
-        &detail,
+        detail: &detail,
+        reach: &reach,
+        air: &air,
         options,
-        PLAN_SHARES[0],
         links,
-        stage,
-    );
-    for &share in &PLAN_SHARES[1..] {
-        let passes: f64 = best.passes.iter().map(Pass::length).sum();
-        if best.fill.length_mm <= FILL_SHARE * passes {
-            break;
-        }
-        let next = plan_at(ground, &reach, &air, &detail, options, share, links, stage);
-        if next.toolpath.rough_time(links) >= best.toolpath.rough_time(links) {
-            break;
-        }
-        best = next;
-    }
-    (best, reach)
-}
-
-#[allow(clippy::too_many_arguments)]
-fn plan_at(
-    ground: &Ground,
-    reach: &Reachable,
-    air: &Air,
-    detail: &Detail,
-    options: &PlanOptions,
-    share: f64,
-    links: &LinkOptions,
-    stage: &mut dyn FnMut(Stage),
-) -> Plan {
-    let (grid, cutter) = (&ground.grid, &ground.cutter);
-    stage(Stage::Features);
-    let spaced_for = share * options.scallop;
-    let regions = features(ground, options.strategy, spaced_for);
-    stage(Stage::Passes);
-    let fitting = FitOptions::for_scallop(options.scallop, cutter.radius());
-    let mut all = passes(grid, cutter, &regions, &detail.steep, &fitting);
-    let (down, too_deep) = detail.walls(ground, &regions, &fitting);
-    all.extend(down);
-    let pencils = detail.pencils(ground, &regions, &all, options.scallop, &fitting);
-    all.extend(pencils);
-    stage(Stage::Fill);
-    let how = FillOptions {
-        scallop: options.scallop,
-        start: FILL_START,
-        keep: 0.75,
-        rounds: 6,
+        weigh,
+        closed_loop: true,
     };
-    let fill = fill(grid, cutter, &regions, reach, &mut all, &how, &fitting);
-    stage(Stage::Link);
-    // Begin at the corner of the part nearest the operator's zero: lowest x and y, from above.
-    let b = cutter.bounds();
-    let start = Point::new(b.min.x, b.min.y, b.max.z + cutter.radius());
-    let ordered = order(all, start);
-    let (toolpath, section_features) = link(cutter, air, &ordered, &regions, links, &fitting);
-    Plan {
-        regions,
-        passes: ordered,
-        fill,
-        toolpath,
-        section_features,
-        fitting,
-        spaced_for,
-        too_deep,
+    stage(Stage::Choose);
+    let small = ground.grid.len() <= LAID_TWICE;
+    let whole = || Layout::Whole(best_source(&bench));
+    let raster =
+        |angle: Option<f64>| Layout::Raster(angle.unwrap_or_else(|| best_raster_angle(&bench)));
+    let layouts: Vec<Layout> = match options.strategy {
+        Strategy::Auto if small => vec![whole(), Layout::Features(Strategy::IsoScallop)],
+        Strategy::Auto | Strategy::Whole => vec![whole()],
+        Strategy::Raster(angle) => vec![raster(angle)],
+        other => vec![Layout::Features(other)],
+    };
+    let mut plans: Vec<Plan> = layouts.iter().map(|l| lay(&bench, l, stage)).collect();
+    let mut candidates: Vec<Candidate> = plans.iter().flat_map(|p| p.candidates.clone()).collect();
+    // Ties go to the first.
+    let best = (0..plans.len())
+        .reduce(|a, b| {
+            if plans[b].figures.time_s < plans[a].figures.time_s {
+                b
+            } else {
+                a
+            }
+        })
+        .unwrap_or(0);
+    for (k, c) in candidates.iter_mut().enumerate() {
+        c.chosen = k == best;
     }
-}
-
-/// What is smaller or steeper than the ball likes: the same for every plan of a part.
-struct Detail<'a> {
-    creases: Vec<Crease>,
-    pencil: PencilOptions,
-    uprights: Uprights<'a>,
-    steep: Steep,
-}
-
-impl<'a> Detail<'a> {
-    fn find(part: &'a Mesh, ground: &Ground, options: &PlanOptions) -> Detail<'a> {
-        let (grid, cutter) = (&ground.grid, &ground.cutter);
-        let fitting = FitOptions::for_scallop(options.scallop, cutter.radius());
-        let stepover = flat_stepover(options.scallop, cutter.radius());
-        let pencil = PencilOptions::for_stepover(stepover, &fitting);
-        let uprights = Uprights::new(part, cutter.radius());
-        let steep = steep(
-            grid,
-            &uprights,
-            &WallOptions {
-                angle: options.wall_angle.to_radians(),
-                stepover: flat_stepover(PLAN_SHARES[0] * options.scallop, cutter.radius()),
-                floor: options.floor.unwrap_or(cutter.bounds().min.z),
-                flute: options.flute,
-                off_wall: pencil.off_wall,
-            },
-        );
-        Detail {
-            creases: creases(grid, cutter, &pencil.crease),
-            pencil,
-            uprights,
-            steep,
-        }
+    let mut chosen = plans.swap_remove(best);
+    drop(plans);
+    if small {
+        candidates.extend(super::layout::rasters(
+            &bench,
+            (!matches!(options.strategy, Strategy::Raster(_))).then(|| raster(None)),
+            &chosen,
+            stage,
+        ));
     }
-
-    /// The pencil passes that cut what the others leave.
-    fn pencils(
-        &self,
-        ground: &Ground,
-        regions: &Regions,
-        others: &[Pass],
-        scallop: f64,
-        fitting: &FitOptions,
-    ) -> Vec<Pass> {
-        let (grid, cutter) = (&ground.grid, &ground.cutter);
-        let all = pencil(grid, cutter, regions, &self.creases, &self.pencil, fitting);
-        let stepover = flat_stepover(scallop, cutter.radius());
-        needed(
-            all,
-            cutter,
-            &segments(others),
-            PENCIL_START * scallop,
-            stepover,
-        )
-    }
-
-    fn walls(
-        &self,
-        ground: &Ground,
-        regions: &Regions,
-        fitting: &FitOptions,
-    ) -> (Vec<Pass>, Vec<TooDeep>) {
-        walls(
-            &ground.grid,
-            &ground.cutter,
-            regions,
-            &self.uprights,
-            &self.steep,
-            &self.creases,
-            fitting,
-        )
-    }
+    chosen.candidates = candidates;
+    (chosen, reach)
 }

@@ -2,8 +2,6 @@
 //!
 //! Thinning after T. Y. Zhang and C. Y. Suen, *A fast parallel algorithm for thinning digital patterns*, CACM 27 (1984).
 
-use std::collections::VecDeque;
-
 /// Cells around one, counter-clockwise from +x.
 const RING: [(i64, i64); 8] = [
     (1, 0),
@@ -16,180 +14,168 @@ const RING: [(i64, i64); 8] = [
     (1, -1),
 ];
 
-/// A small mask with one empty cell of margin all round.
-struct Mask {
-    first: [i64; 2],
-    size: [i64; 2],
+/// No neighbour, not reached.
+const NONE: u32 = u32::MAX;
+
+/// A set of cells, each with its neighbours by number. Memory: 40 bytes a cell, however far apart they lie.
+struct Blobs {
+    /// By row, then by column.
+    cells: Vec<(i64, i64)>,
+    beside: Vec<[u32; 8]>,
+    /// Still in the set.
     on: Vec<bool>,
+    /// Scratch: where a search came from; `NONE` between searches.
+    from: Vec<u32>,
 }
 
-impl Mask {
-    fn new(cells: &[(i64, i64)]) -> Mask {
-        let (mut lo, mut hi) = ([i64::MAX; 2], [i64::MIN; 2]);
-        for &(x, y) in cells {
-            lo = [lo[0].min(x), lo[1].min(y)];
-            hi = [hi[0].max(x), hi[1].max(y)];
-        }
-        let size = [hi[0] - lo[0] + 3, hi[1] - lo[1] + 3];
-        let mut m = Mask {
-            first: [lo[0] - 1, lo[1] - 1],
-            size,
-            on: vec![false; (size[0] * size[1]) as usize],
+impl Blobs {
+    fn new(cells: &[(i64, i64)]) -> Blobs {
+        let mut cells = cells.to_vec();
+        cells.sort_unstable_by_key(|c| (c.1, c.0));
+        let find = |x: i64, y: i64| match cells.binary_search_by_key(&(y, x), |c| (c.1, c.0)) {
+            Ok(i) => i as u32,
+            Err(_) => NONE,
         };
-        for &(x, y) in cells {
-            let i = m.index(x, y);
-            m.on[i] = true;
+        let beside = cells
+            .iter()
+            .map(|&(x, y)| RING.map(|(u, v)| find(x + u, y + v)))
+            .collect();
+        Blobs {
+            on: vec![true; cells.len()],
+            from: vec![NONE; cells.len()],
+            beside,
+            cells,
         }
-        m
     }
 
-    fn index(&self, x: i64, y: i64) -> usize {
-        ((y - self.first[1]) * self.size[0] + x - self.first[0]) as usize
+    /// The neighbours of a cell that are still in the set.
+    fn around(&self, i: u32) -> impl Iterator<Item = u32> + '_ {
+        self.beside[i as usize]
+            .into_iter()
+            .filter(|&j| j != NONE && self.on[j as usize])
     }
 
-    fn has(&self, x: i64, y: i64) -> bool {
-        self.on[self.index(x, y)]
+    /// All cells that hang together with one, by their distance from it in steps; `from` tells the way back until it is wiped.
+    fn spread(&mut self, start: u32) -> Vec<u32> {
+        let mut queue = vec![start];
+        self.from[start as usize] = start;
+        let mut k = 0;
+        while k < queue.len() {
+            let c = queue[k];
+            k += 1;
+            for j in self.beside[c as usize] {
+                if j != NONE && self.on[j as usize] && self.from[j as usize] == NONE {
+                    self.from[j as usize] = c;
+                    queue.push(j);
+                }
+            }
+        }
+        queue
+    }
+
+    fn wipe(&mut self, blob: &[u32]) {
+        for &i in blob {
+            self.from[i as usize] = NONE;
+        }
+    }
+
+    /// The path from a cell to the one farthest from it in its blob.
+    fn path_from(&mut self, start: u32) -> Vec<u32> {
+        let blob = self.spread(start);
+        let mut path = Vec::new();
+        let mut at = blob[blob.len() - 1];
+        loop {
+            path.push(at);
+            let next = self.from[at as usize];
+            if next == at {
+                break;
+            }
+            at = next;
+        }
+        self.wipe(&blob);
+        path
+    }
+
+    fn thin(&mut self) {
+        let mut left: Vec<u32> = (0..self.cells.len() as u32).collect();
+        loop {
+            let mut changed = false;
+            for phase in 0..2 {
+                let gone: Vec<u32> = left
+                    .iter()
+                    .copied()
+                    .filter(|&i| {
+                        let n: [bool; 8] =
+                            self.beside[i as usize].map(|j| j != NONE && self.on[j as usize]);
+                        let count = n.iter().filter(|b| **b).count();
+                        let rises = (0..8).filter(|&k| !n[k] && n[(k + 1) % 8]).count();
+                        let [e, _, no, _, w, _, s, _] = n;
+                        let open = if phase == 0 {
+                            !(e && s && (no || w))
+                        } else {
+                            !(no && w && (e || s))
+                        };
+                        (2..=6).contains(&count) && rises == 1 && open
+                    })
+                    .collect();
+                if gone.is_empty() {
+                    continue;
+                }
+                changed = true;
+                for &i in &gone {
+                    self.on[i as usize] = false;
+                }
+                left.retain(|&i| self.on[i as usize]);
+            }
+            if !changed {
+                return;
+            }
+        }
     }
 }
 
 /// Middle lines of a set of distinct cells (each connected blob on its own), as runs of neighbouring cells, longest first within a
 /// blob; side branches shorter than `shortest` cells are dropped, but every blob keeps one run. Deterministic.
 pub fn middle_lines(cells: &[(i64, i64)], shortest: usize) -> Vec<Vec<(i64, i64)>> {
-    if cells.is_empty() {
-        return Vec::new();
-    }
-    let mut mask = Mask::new(cells);
-    let mut left: Vec<(i64, i64)> = cells.to_vec();
-    left.sort_unstable_by_key(|c| (c.1, c.0));
-    thin(&mut mask, &mut left);
+    let mut blobs = Blobs::new(cells);
+    blobs.thin();
+    let mut left: Vec<u32> = (0..blobs.cells.len() as u32)
+        .filter(|&i| blobs.on[i as usize])
+        .collect();
     let mut lines = Vec::new();
     let mut main = true;
+    let mut seen = vec![0u32; blobs.cells.len()];
+    let mut round = 0;
     // Longest paths first; what they pass is struck out, and the rest is looked at again.
     while !left.is_empty() {
-        let mut next: Vec<(i64, i64)> = Vec::new();
-        let mut seen = Mask::new(&left);
-        seen.on.iter_mut().for_each(|s| *s = false);
+        round += 1;
+        let mut next: Vec<u32> = Vec::new();
         for &c in &left {
-            if seen.has(c.0, c.1) || !mask.has(c.0, c.1) {
+            if seen[c as usize] == round || !blobs.on[c as usize] {
                 continue;
             }
-            let (far, blob) = farthest(&mask, c, &mut seen);
-            let path = path_from(&mask, far);
+            let blob = blobs.spread(c);
+            blobs.wipe(&blob);
+            blob.iter().for_each(|&i| seen[i as usize] = round);
+            let path = blobs.path_from(blob[blob.len() - 1]);
             if path.len() < shortest && !main {
-                blob.iter().for_each(|b| {
-                    let i = mask.index(b.0, b.1);
-                    mask.on[i] = false;
-                });
+                blob.iter().for_each(|&i| blobs.on[i as usize] = false);
                 continue;
             }
-            for p in &path {
-                for d in std::iter::once((0, 0)).chain(RING) {
-                    let i = mask.index(p.0 + d.0, p.1 + d.1);
-                    mask.on[i] = false;
+            for &p in &path {
+                let around: Vec<u32> = blobs.around(p).collect();
+                for i in around.into_iter().chain([p]) {
+                    blobs.on[i as usize] = false;
                 }
             }
-            lines.push(path);
-            next.extend(blob.iter().filter(|b| mask.has(b.0, b.1)));
+            lines.push(path.iter().map(|&i| blobs.cells[i as usize]).collect());
+            next.extend(blob.iter().filter(|&&i| blobs.on[i as usize]));
         }
         main = false;
-        next.sort_unstable_by_key(|c| (c.1, c.0));
+        next.sort_unstable();
         left = next;
     }
     lines
-}
-
-fn thin(mask: &mut Mask, left: &mut Vec<(i64, i64)>) {
-    loop {
-        let mut changed = false;
-        for phase in 0..2 {
-            let gone: Vec<(i64, i64)> = left
-                .iter()
-                .copied()
-                .filter(|&(x, y)| {
-                    let n: [bool; 8] = RING.map(|(u, v)| mask.has(x + u, y + v));
-                    let count = n.iter().filter(|b| **b).count();
-                    let rises = (0..8).filter(|&k| !n[k] && n[(k + 1) % 8]).count();
-                    let [e, _, no, _, w, _, s, _] = n;
-                    let open = if phase == 0 {
-                        !(e && s && (no || w))
-                    } else {
-                        !(no && w && (e || s))
-                    };
-                    (2..=6).contains(&count) && rises == 1 && open
-                })
-                .collect();
-            if gone.is_empty() {
-                continue;
-            }
-            changed = true;
-            for &(x, y) in &gone {
-                let i = mask.index(x, y);
-                mask.on[i] = false;
-            }
-            left.retain(|&(x, y)| mask.has(x, y));
-        }
-        if !changed {
-            return;
-        }
-    }
-}
-
-/// The cell of a blob farthest from `start` (in steps), and the whole blob; marks it seen.
-fn farthest(mask: &Mask, start: (i64, i64), seen: &mut Mask) -> ((i64, i64), Vec<(i64, i64)>) {
-    let mut queue = VecDeque::from([start]);
-    let mut blob = Vec::new();
-    let mut last = start;
-    let i = seen.index(start.0, start.1);
-    seen.on[i] = true;
-    while let Some(c) = queue.pop_front() {
-        last = c;
-        blob.push(c);
-        for (u, v) in RING {
-            let d = (c.0 + u, c.1 + v);
-            if !mask.has(d.0, d.1) {
-                continue;
-            }
-            let i = seen.index(d.0, d.1);
-            if !seen.on[i] {
-                seen.on[i] = true;
-                queue.push_back(d);
-            }
-        }
-    }
-    (last, blob)
-}
-
-/// The path from a cell to the one farthest from it in its blob.
-fn path_from(mask: &Mask, start: (i64, i64)) -> Vec<(i64, i64)> {
-    let none = u32::MAX;
-    let mut from = vec![none; mask.on.len()];
-    let mut queue = VecDeque::from([start]);
-    from[mask.index(start.0, start.1)] = mask.index(start.0, start.1) as u32;
-    let mut last = start;
-    while let Some(c) = queue.pop_front() {
-        last = c;
-        for (u, v) in RING {
-            let d = (c.0 + u, c.1 + v);
-            let i = mask.index(d.0, d.1);
-            if mask.on[i] && from[i] == none {
-                from[i] = mask.index(c.0, c.1) as u32;
-                queue.push_back(d);
-            }
-        }
-    }
-    let mut path = Vec::new();
-    let mut i = mask.index(last.0, last.1);
-    loop {
-        let k = i as i64;
-        path.push((
-            k % mask.size[0] + mask.first[0],
-            k / mask.size[0] + mask.first[1],
-        ));
-        if from[i] as usize == i {
-            return path;
-        }
-        i = from[i] as usize;
-    }
 }
 
 #[cfg(test)]

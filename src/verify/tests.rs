@@ -2,17 +2,17 @@
 #![allow(clippy::unwrap_used)]
 
 use super::{Deviation, VerifyError, verify};
+use crate::gcode::{Event, interpret};
 use crate::geom::Point;
+use crate::geom::Point2;
 use crate::post::{BUILT_IN, Coolant, Job, Post, Posted, Units, write};
-use crate::toolpath::{Move, MoveKind, Section, Toolpath};
+use crate::toolpath::curve::Curve;
+use crate::toolpath::{Move, MoveKind, Section, Toolpath, Turn};
 use crate::units::{MmPerMin, Rpm, Seconds};
 use proptest::prelude::*;
 
 fn go(kind: MoveKind, x: f64, y: f64, z: f64) -> Move {
-    Move {
-        kind,
-        to: Point::new(x, y, z),
-    }
+    Move::straight(kind, Point::new(x, y, z))
 }
 
 fn job() -> Job {
@@ -252,7 +252,7 @@ fn any_path() -> impl Strategy<Value = Toolpath> {
                     to = last.to;
                     to[axis] += by;
                 }
-                moves.push(Move { kind, to });
+                moves.push(Move::straight(kind, to));
             }
             if moves.is_empty() {
                 moves.push(go(MoveKind::Rapid, 0.0, 0.0, safe_z));
@@ -312,5 +312,133 @@ proptest! {
             prop_assert!(posted.text.lines().all(|l| l.len() <= post.longest));
             prop_assert_eq!(posted.clone(), write(&path, &job, &post).unwrap());
         }
+    }
+}
+
+/// A chain of arcs and lines at a constant height or along helices: centres anywhere, radii of 3 to 60 mm.
+fn any_arcs() -> impl Strategy<Value = Toolpath> {
+    proptest::collection::vec(
+        (
+            3.0..60.0_f64,
+            0.0..6.2_f64,
+            0.02..6.2_f64,
+            any::<bool>(),
+            -1.0..1.0_f64,
+            any::<bool>(),
+        ),
+        1..30,
+    )
+    .prop_map(|steps| {
+        let mut at = Point::new(1.0, 2.0, 5.0);
+        let mut moves = vec![
+            go(MoveKind::Rapid, 1.0, 2.0, 5.0),
+            go(MoveKind::Plunge, 1.0, 2.0, -1.0),
+        ];
+        at.z = -1.0;
+        for (r, spoke, sweep, clockwise, rise, straight) in steps {
+            let center = Point2::new(at.x - r * spoke.cos(), at.y - r * spoke.sin());
+            let end = if clockwise {
+                spoke - sweep
+            } else {
+                spoke + sweep
+            };
+            let to = Point::new(
+                center.x + r * end.cos(),
+                center.y + r * end.sin(),
+                at.z + rise,
+            );
+            let turn = (!straight).then_some(Turn { center, clockwise });
+            moves.push(Move {
+                kind: MoveKind::Cut,
+                to,
+                turn,
+            });
+            at = to;
+        }
+        Toolpath {
+            moves,
+            sections: vec![],
+            safe_z: 5.0,
+        }
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(100))]
+
+    /// Through the text and back: every arc is the one meant, all along, to within its last decimal.
+    #[test]
+    fn arcs_read_back_as_meant(path in any_arcs(), modal in any::<[bool; 3]>()) {
+        for mut post in posts() {
+            (post.modal.motion, post.modal.axes, post.modal.feed) = (modal[0], modal[1], modal[2]);
+            let posted = write(&path, &job(), &post).unwrap();
+            verify(&posted, &path, &job(), &post).map_err(|e| TestCaseError::fail(format!("{e}\n{}", posted.text)))?;
+            let program = interpret(&posted.text, super::dialect_of(&post).unwrap()).unwrap();
+            let motion = |line: usize| program.events.iter().rev().find_map(|e| match e {
+                Event::Motion(m) if m.line == line => Some(*m),
+                _ => None,
+            });
+            let unit = 2.0 * post.rounding().0;
+            for (i, m) in path.moves.iter().enumerate().skip(2) {
+                let Some(turn) = m.turn else { continue };
+                let read = motion(posted.line_of_move[i]).unwrap();
+                let arc = read.arc.unwrap();
+                let meant = Curve::arc(path.moves[i - 1].to, m.to, &turn, 0.0);
+                let told = Turn { center: Point2::new(arc.center.x, arc.center.y), clockwise: arc.clockwise };
+                let written = Curve::arc(read.from, read.to, &told, 0.0);
+                for k in 0..=20 {
+                    let s = f64::from(k) / 20.0;
+                    let off = meant.at(s * meant.length()) - written.at(s * written.length());
+                    // Half a unit from each of start, centre and end, in plan and in height.
+                    prop_assert!(off.norm() < 3.0 * unit, "move {}: {} mm at {}", i, off.norm(), s);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn catches_every_lie_about_an_arc() {
+    let post = Post::load("grbl").unwrap();
+    let turn = |clockwise| Turn {
+        center: Point2::new(10.0, 7.0),
+        clockwise,
+    };
+    let mut path = path();
+    path.moves[4] = Move {
+        kind: MoveKind::Cut,
+        to: Point::new(15.0, 7.0, -1.3),
+        turn: Some(turn(false)),
+    };
+    path.moves[3] = go(MoveKind::Cut, 10.0, 2.0, -1.2504);
+    path.moves[5] = go(MoveKind::Retract, 15.0, 7.0, 2.0);
+    let posted = write(&path, &job(), &post).unwrap();
+    assert!(
+        posted.text.contains("G3 X15 Y7 Z-1.3 J5\n"),
+        "{}",
+        posted.text
+    );
+    verify(&posted, &path, &job(), &post).unwrap();
+    for (to, what) in [
+        ("G2 X15 Y7 Z-1.3 J5\n", "by an arc, clockwise about X10 Y7"),
+        (
+            "G1 X15 Y7 Z-1.3\n",
+            "a Feed to X15 Y7 Z-1.3 counter-clockwise about X10 Y7",
+        ),
+        ("G3 X15 Y7 Z-1.3 I5 J0\n", "about X15 Y2"),
+        ("G3 X15 Y7.002 Z-1.3 J5\n", "where move 4"),
+        ("G3 X15 Y7 Z-1.302 J5\n", "where move 4"),
+        ("G18 G3 X15 Z-1.3 I2.5 K0\nG17\n", "where move 4"),
+    ] {
+        let mut forged = posted.clone();
+        forged.text = posted.text.replacen("G3 X15 Y7 Z-1.3 J5\n", to, 1);
+        let e = match verify(&forged, &path, &job(), &post) {
+            Err(e) => e.to_string(),
+            Ok(d) => panic!("{to}: believed, {d:?}"),
+        };
+        assert!(
+            e.contains(what) || e.contains("does not read back"),
+            "{to}: {e}"
+        );
     }
 }

@@ -7,6 +7,8 @@ mod plans;
 mod feature;
 mod field;
 mod finish;
+mod fit;
+mod functions;
 mod morse;
 mod part;
 mod reach;
@@ -15,6 +17,7 @@ mod toolpath;
 
 mod hostile;
 mod link;
+mod looks;
 mod recordings;
 
 mod refusals;

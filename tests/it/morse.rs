@@ -69,6 +69,7 @@ fn island(seed: u64, n: usize) -> (ToolCentreGrid, HeightField) {
         crossings: Vec::new(),
     };
     let field = HeightField {
+        function: morsemill::morse::MorseFunction::Height,
         value,
         active: vec![true; n * n],
         roughness: 0.0,

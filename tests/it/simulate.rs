@@ -7,7 +7,7 @@ use morsemill::machine::Machine;
 use morsemill::part::Mesh;
 use morsemill::reach::DropCutter;
 use morsemill::simulate::{DryRun, DryRunOptions, Kind, PartContext, Stock, dry_run};
-use morsemill::sweep::reachable;
+use morsemill::sweep::ReachTiles;
 use std::fmt::Write;
 
 const R: f64 = 3.0;
@@ -38,7 +38,7 @@ fn grid(nx: usize, ny: usize, size: [f64; 2], z: impl Fn(f64, f64) -> f64) -> Me
 
 fn judge(mesh: &Mesh, text: &str, step: f64, options: &DryRunOptions) -> DryRun {
     let drop = DropCutter::new(mesh, R);
-    let reach = reachable(&drop, step);
+    let reach = ReachTiles::new(&drop, step, 1);
     let part = PartContext {
         mesh,
         drop: &drop,
@@ -397,6 +397,13 @@ fn json_has_the_promised_names() {
         "/time_s/total",
         "/time_s/cutting",
         "/time_s/air",
+        "/motion/vertical_acceleration_rms_mm_s2",
+        "/motion/vertical_speed_rms_mm_s",
+        "/motion/largest_turn_deg",
+        "/motion/largest_turn_line",
+        "/motion/turns_over_30",
+        "/motion/non_cutting_s",
+        "/motion/non_cutting_percent",
         "/finish/scallop_um/p50",
         "/finish/scallop_um/p95",
         "/finish/scallop_um/p99",
@@ -453,10 +460,10 @@ fn raster_over_a_real_part() {
     let options = options();
     let t = std::time::Instant::now();
     let step = morsemill::simulate::judging_step(&b, R, 0.02);
-    let reach = reachable(&drop, step);
+    let reach = ReachTiles::new(&drop, step, 1);
     eprintln!(
         "reachable at {step:.4} mm, {} cells: {:?}",
-        reach.lattice.len(),
+        reach.lattice().len(),
         t.elapsed()
     );
     let part = PartContext {

@@ -190,7 +190,9 @@ fn from_part_to_chips() {
     args.extend(SETUP);
     good(dir, &args);
     let checked = json(&dir.join("check.json"));
-    for block in ["program", "time_s", "extents", "verdict", "problems"] {
+    for block in [
+        "program", "time_s", "motion", "extents", "verdict", "problems",
+    ] {
         assert_eq!(checked[block], told[block], "{block}");
     }
     for key in [

@@ -96,8 +96,11 @@ fn every_pass_point_is_a_resting_ball_and_every_chord_keeps_its_signed_tolerance
                         && run[k - 1..k + 2]
                             .windows(2)
                             .any(|w| (w[0] - w[1]).xy().norm() < 0.005);
+                    // Elsewhere it rests, but for the lift that lets chords use both budgets, and the last decimal.
+                    let n = normal(&rest).dot(&(c - rest.center));
                     assert!(
-                        lift.abs() < 1e-9 || (lift > 0.0 && cliff),
+                        (-fit.gouge - 2e-5..=fit.stock + 2e-5).contains(&n)
+                            || (lift > 0.0 && cliff),
                         "{}: a {:?} pass floats {lift} mm over {}",
                         p.part.file,
                         pass.kind,
@@ -123,9 +126,8 @@ fn every_pass_point_is_a_resting_ball_and_every_chord_keeps_its_signed_tolerance
             1e3 * fit.gouge,
             1e3 * fit.stock
         );
-        // The gouge side is proven along the whole chord: between two probes a little more. The stock side is proven at the fitted
-        // points only and measured up to 1.43 times its tolerance; that much stock is a tenth of a cusp.
-        if lowest < -1.1 * fit.gouge || highest > 1.5 * fit.stock {
+        // Both sides are proven along the whole chord; only a segment too short to be split may miss.
+        if lowest < -1.02 * fit.gouge || highest > 1.1 * fit.stock {
             wrong.push(format!("{}: {lowest} to {highest}", p.part.file));
         }
     }

@@ -4,14 +4,12 @@
 use super::super::{Job, Post, PostError, Units, write};
 use super::Coolant;
 use crate::geom::Point;
-use crate::toolpath::{Move, MoveKind, Section, Toolpath};
+use crate::geom::Point2;
+use crate::toolpath::{Move, MoveKind, Section, Toolpath, Turn};
 use crate::units::{Mm, MmPerMin, Rpm, Seconds};
 
 fn go(kind: MoveKind, x: f64, y: f64, z: f64) -> Move {
-    Move {
-        kind,
-        to: Point::new(x, y, z),
-    }
+    Move::straight(kind, Point::new(x, y, z))
 }
 
 fn job() -> Job {
@@ -345,4 +343,101 @@ fn a_million_moves_in_a_second() {
     eprintln!("{} bytes in {took:?}", posted.text.len());
     // Generous, since the test machine is shared; it takes about a fifth of a second.
     assert!(took.as_secs_f64() < 3.0, "{took:?}");
+}
+
+/// From (10, 0) a quarter round the origin to (0, 10) and half a millimetre up, then on to (-10, 0), and back the long way.
+fn arcs() -> Toolpath {
+    let turn = |x: f64, y: f64, z: f64, clockwise| Move {
+        kind: MoveKind::Cut,
+        to: Point::new(x, y, z),
+        turn: Some(Turn {
+            center: Point2::origin(),
+            clockwise,
+        }),
+    };
+    Toolpath {
+        moves: vec![
+            go(MoveKind::Rapid, 10.0, 0.0, 5.0),
+            go(MoveKind::Plunge, 10.0, 0.0, -1.0),
+            turn(0.0, 10.0, -0.5, false),
+            turn(-10.0, 0.0, -0.5, false),
+            turn(0.0, 10.0, -0.5, false),
+            turn(10.0, 0.0, -0.5, true),
+            go(MoveKind::Cut, 12.0, 0.0, -0.5),
+            go(MoveKind::Retract, 12.0, 0.0, 5.0),
+        ],
+        sections: vec![],
+        safe_z: 5.0,
+    }
+}
+
+#[test]
+fn arcs_by_hand() {
+    let text = write(&arcs(), &job(), &Post::load("grbl").unwrap())
+        .unwrap()
+        .text;
+    // Centre from the start; X and Y always; the motion word only when it changes.
+    let want = "G1 Z-1 F500\nG3 X0 Y10 Z-0.5 I-10 F1500\nX-10 Y0 J-10\nX0 Y10 I10\nG2 X10 Y0 J-10\nG1 X12\n";
+    assert!(text.contains(want), "{text}");
+    let mut post = Post::load("grbl").unwrap();
+    post.units = Units::Inch;
+    let text = write(&arcs(), &job(), &post).unwrap().text;
+    assert!(
+        text.contains("G3 X0 Y0.3937 Z-0.01969 I-0.3937 F59.06\n"),
+        "{text}"
+    );
+}
+
+#[test]
+fn arcs_that_cannot_be_written_are_refused_or_straight() {
+    let mut post = Post::load("grbl").unwrap();
+    let refusal = |p: &Toolpath, post: &Post| write(p, &job(), post).unwrap_err().to_string();
+    post.arcs = false;
+    assert_eq!(
+        refusal(&arcs(), &post),
+        "move 2 is an arc and post grbl has none (arcs = false): make the path of straight lines only"
+    );
+    post.arcs = true;
+    let mut p = arcs();
+    p.moves[7].turn = p.moves[2].turn;
+    assert_eq!(
+        refusal(&p, &post),
+        "move 7 is a Retract along an arc: only a Cut or a Link may turn"
+    );
+    let mut p = arcs();
+    p.moves[2].to.x = 0.1;
+    p.moves[2].to.y = 10.2;
+    assert_eq!(
+        refusal(&p, &post),
+        "move 2: the arc about X0 Y0 cannot be written with 3 decimals: the radii at its start and end differ"
+    );
+    // A whole turn that is none when written: from (10, 0) clockwise to a hair above it.
+    let mut p = arcs();
+    p.moves[2].to = Point::new(10.0, 0.0002, -1.0);
+    p.moves[2].turn = Some(Turn {
+        center: Point2::origin(),
+        clockwise: true,
+    });
+    assert!(write(&p, &job(), &post).is_ok(), "a whole turn stays one");
+    // A sliver of an arc is a straight line: no axis word at all here.
+    p.moves[2].turn = Some(Turn {
+        center: Point2::origin(),
+        clockwise: false,
+    });
+    p.moves.truncate(3);
+    p.moves.push(go(MoveKind::Retract, 10.0, 0.0, 5.0));
+    let posted = write(&p, &job(), &post).unwrap();
+    assert!(!posted.text.contains("G3"), "{}", posted.text);
+    assert_eq!(posted.line_of_move[2], posted.line_of_move[1]);
+    let mut p = arcs();
+    p.moves[2].turn = Some(Turn {
+        center: Point2::new(f64::NAN, 0.0),
+        clockwise: true,
+    });
+    assert!(refusal(&p, &post).starts_with("move 2: X is NaN"));
+    p.moves[2].turn = Some(Turn {
+        center: Point2::new(10.0, 0.0),
+        clockwise: true,
+    });
+    assert!(refusal(&p, &post).ends_with("its radius becomes zero"));
 }

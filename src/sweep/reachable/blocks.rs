@@ -1,25 +1,29 @@
 //! What squares of nodes could do for a cell at best, so that most need not be looked at.
 
-use super::crease::{Extra, owned};
-use super::refine::Best;
+use super::crease::owned;
+use super::refine::{Best, Nodes};
 use crate::geom::Point2;
 use crate::sweep::Lattice;
-use rayon::prelude::*;
 
-/// Lowest centres of squares of nodes, extra balls included: what a whole square could do for a cell at best.
+/// Planes below the centres of squares of nodes, extra balls included: what a whole square could do for a cell at best.
 pub(super) struct Blocks {
-    nx: usize,
-    low: Vec<f64>,
-    floor: Vec<Plane>,
-    has_extras: Vec<bool>,
-    coarse_nx: usize,
-    coarse_ny: usize,
-    coarse_low: Vec<f64>,
+    small: Level,
+    large: Level,
 }
 
-const BLOCK: usize = 8;
+struct Level {
+    /// Nodes on a side.
+    side: usize,
+    nx: usize,
+    ny: usize,
+    /// Made when first asked for: smooth ground asks for few.
+    floor: Vec<Option<(Plane, bool)>>,
+}
 
-/// A plane below all centres of a square of nodes: its height in the square's middle and its slopes.
+const SMALL: usize = 4;
+const LARGE: usize = 16;
+
+/// A plane below all centres of a square of nodes: its height in the square's middle and its slopes; +inf for no centre.
 #[derive(Clone, Copy)]
 struct Plane {
     z: f64,
@@ -51,148 +55,214 @@ impl Plane {
         Plane { z, gx, gy }
     }
 
-    /// No ball within `half` of the square's middle on both axes reaches below this over a cell that is (rx, ry) before the
-    /// middle: plane minus sphere is convex, so it is nowhere below its tangent plane in the middle.
-    fn underside(&self, rx: f64, ry: f64, half: f64, radius_sq: f64) -> f64 {
-        let depth_sq = radius_sq - rx * rx - ry * ry;
+    /// True when no ball within `half` of the middle of a square of nodes reaches below the plane `over` for any cell within
+    /// `cells` of its middle; the former middle is (rx, ry) from the latter.
+    ///
+    /// With u the ball's place and q the cell's, both from their middles: plane(u) - sqrt(R^2 - |r + u - q|^2) - over(q) is convex in
+    /// u - q for a given q, so it is nowhere below its tangent plane.
+    #[inline]
+    fn clear_of(&self, over: &Plane, r: [f64; 2], half: f64, cells: f64, radius_sq: f64) -> bool {
+        if self.z == f64::INFINITY {
+            return true;
+        }
+        let apart = |v: f64| (v.abs() - half - cells).max(0.0);
+        let near_sq = apart(r[0]).powi(2) + apart(r[1]).powi(2);
+        if near_sq > radius_sq {
+            return true;
+        }
+        let depth_sq = radius_sq - r[0] * r[0] - r[1] * r[1];
         if depth_sq <= 0.0 {
-            return f64::NEG_INFINITY;
+            let low = self.z - (self.gx.abs() + self.gy.abs()) * half;
+            let high = over.z + (over.gx.abs() + over.gy.abs()) * cells;
+            return low - (radius_sq - near_sq).sqrt() >= high + ROUNDING;
         }
         let depth = depth_sq.sqrt();
-        let fall = (self.gx + rx / depth).abs() + (self.gy + ry / depth).abs();
-        self.z - depth - fall * half
+        let along = (self.gx - over.gx).abs() + (self.gy - over.gy).abs();
+        let fall = (self.gx + r[0] / depth).abs() + (self.gy + r[1] / depth).abs();
+        self.z - over.z - depth - along * cells - fall * (half + cells) >= ROUNDING
+    }
+}
+
+impl Level {
+    fn new(lattice: &Lattice, side: usize) -> Level {
+        let (nx, ny) = (lattice.nx.div_ceil(side), lattice.ny.div_ceil(side));
+        Level {
+            side,
+            nx,
+            ny,
+            floor: vec![None; nx * ny],
+        }
+    }
+
+    /// The plane below a square, and whether there are extra balls in it.
+    #[inline]
+    fn floor(&mut self, nodes: &Nodes, bx: usize, by: usize) -> (Plane, bool) {
+        let block = by * self.nx + bx;
+        if let Some(p) = self.floor[block] {
+            return p;
+        }
+        let made = self.make(nodes, bx, by);
+        self.floor[block] = Some(made);
+        made
+    }
+
+    fn make(&self, nodes: &Nodes, bx: usize, by: usize) -> (Plane, bool) {
+        let (lattice, side) = (&nodes.lattice, self.side);
+        let half = self.half(lattice);
+        let (x0, y0) = (bx * side, by * side);
+        let (cx, cy) = (lattice.x(x0) + half, lattice.y(y0) + half);
+        let mut balls = Vec::with_capacity(side * side);
+        let mut has_extras = false;
+        for iy in y0..(y0 + side).min(lattice.ny) {
+            let row = lattice.index(x0, iy)..lattice.index((x0 + side).min(lattice.nx), iy);
+            for (ix, &c) in (x0..).zip(&nodes.balls.z[row.clone()]) {
+                if c > f64::NEG_INFINITY {
+                    balls.push((lattice.x(ix) - cx, lattice.y(iy) - cy, c));
+                }
+            }
+            for e in owned(&nodes.extras, row) {
+                has_extras = true;
+                balls.push((e.center.x - cx, e.center.y - cy, e.center.z));
+            }
+        }
+        (Plane::below(&balls), has_extras)
+    }
+
+    fn half(&self, lattice: &Lattice) -> f64 {
+        0.5 * self.side as f64 * lattice.step
+    }
+
+    /// From a place to the middle of a square.
+    #[inline]
+    fn from(&self, lattice: &Lattice, q: &Point2, bx: usize, by: usize) -> [f64; 2] {
+        let half = self.half(lattice);
+        [
+            lattice.x(bx * self.side) + half - q.x,
+            lattice.y(by * self.side) + half - q.y,
+        ]
+    }
+
+    /// Squares along an axis that come within `reach` of a place.
+    fn span(&self, v: f64, origin: f64, step: f64, reach: f64, n: usize) -> std::ops::Range<usize> {
+        let at = |w: f64| ((w - origin) / step / self.side as f64).floor();
+        let lo = at(v - reach - step).max(0.0) as usize;
+        let hi = at(v + reach + step).max(-1.0) + 1.0;
+        lo..(hi as usize).min(n)
     }
 }
 
 impl Blocks {
-    pub(super) fn new(lattice: &Lattice, center_z: &[f64], extras: &[Extra]) -> Blocks {
-        let (nx, ny) = (lattice.nx.div_ceil(BLOCK), lattice.ny.div_ceil(BLOCK));
-        let (coarse_nx, coarse_ny) = (nx.div_ceil(BLOCK), ny.div_ceil(BLOCK));
-        let blocks: Vec<(f64, Plane, bool)> = (0..nx * ny)
-            .into_par_iter()
-            .map(|block| {
-                let (x0, y0) = (block % nx * BLOCK, block / nx * BLOCK);
-                let half = 0.5 * BLOCK as f64 * lattice.step;
-                let (cx, cy) = (lattice.x(x0) + half, lattice.y(y0) + half);
-                let mut balls = Vec::with_capacity(BLOCK * BLOCK);
-                let mut has_extras = false;
-                for iy in y0..(y0 + BLOCK).min(lattice.ny) {
-                    let row =
-                        lattice.index(x0, iy)..lattice.index((x0 + BLOCK).min(lattice.nx), iy);
-                    for (ix, &c) in (x0..).zip(&center_z[row.clone()]) {
-                        if c > f64::NEG_INFINITY {
-                            balls.push((lattice.x(ix) - cx, lattice.y(iy) - cy, c));
-                        }
-                    }
-                    for e in owned(extras, row) {
-                        has_extras = true;
-                        balls.push((e.center.x - cx, e.center.y - cy, e.center.z));
-                    }
-                }
-                let low = balls.iter().map(|b| b.2).fold(f64::INFINITY, f64::min);
-                (low, Plane::below(&balls), has_extras)
-            })
-            .collect();
-        let mut b = Blocks {
-            nx,
-            low: blocks.iter().map(|b| b.0).collect(),
-            floor: blocks.iter().map(|b| b.1).collect(),
-            has_extras: blocks.iter().map(|b| b.2).collect(),
-            coarse_nx,
-            coarse_ny,
-            coarse_low: vec![f64::INFINITY; coarse_nx * coarse_ny],
-        };
-        for (i, &low) in b.low.iter().enumerate() {
-            let c = &mut b.coarse_low[i / nx / BLOCK * coarse_nx + i % nx / BLOCK];
-            *c = c.min(low);
+    pub(super) fn new(lattice: &Lattice) -> Blocks {
+        Blocks {
+            small: Level::new(lattice, SMALL),
+            large: Level::new(lattice, LARGE),
         }
-        b
     }
 
-    /// The best ball of all whose underside over q is below `value`.
-    pub(super) fn below(
-        &self,
-        lattice: &Lattice,
-        center_z: &[f64],
-        extras: &[Extra],
-        q: &Point2,
-        radius_sq: f64,
-        value: f64,
-    ) -> Option<Best> {
-        let step = lattice.step;
-        let radius = radius_sq.sqrt();
-        let mut best: Option<Best> = None;
-        let mut limit = value;
-        // The least underside a square of `side` nodes (and the extra balls up to one step beyond) could have.
-        let bound = |bx: usize, by: usize, side: usize, low: f64| {
-            let gap =
-                |v: f64, first: f64| (first - v).max(v - (first + side as f64 * step)).max(0.0);
-            let dx = gap(q.x, lattice.x(bx * side));
-            let dy = gap(q.y, lattice.y(by * side));
-            let depth_sq = radius_sq - dx * dx - dy * dy;
-            if depth_sq < 0.0 {
-                f64::INFINITY
-            } else {
-                low - depth_sq.sqrt()
-            }
+    /// The small squares that may hold a ball which is better for one of some cells than the value it has.
+    pub(super) fn likely(&mut self, nodes: &Nodes, asked: &[(Point2, f64)]) -> Vec<u32> {
+        let lattice = &nodes.lattice;
+        let radius_sq = nodes.radius * nodes.radius;
+        let mut out = Vec::new();
+        let (mut lo, mut hi) = (
+            Point2::new(f64::INFINITY, f64::INFINITY),
+            Point2::new(f64::NEG_INFINITY, f64::NEG_INFINITY),
+        );
+        for (q, _) in asked {
+            lo = lo.inf(q);
+            hi = hi.sup(q);
+        }
+        let mid = nalgebra::center(&lo, &hi);
+        let cells = 0.5 * (hi - lo).max();
+        // A plane above all values is the mirror image of one below.
+        let mirrored: Vec<(f64, f64, f64)> = asked
+            .iter()
+            .map(|(q, v)| (q.x - mid.x, q.y - mid.y, -v))
+            .collect();
+        let p = Plane::below(&mirrored);
+        let over = Plane {
+            z: -p.z,
+            gx: -p.gx,
+            gy: -p.gy,
         };
-        let range = |v: f64, origin: f64, n: usize, side: usize| {
-            let at = |w: f64| ((w - origin) / step / side as f64).floor();
-            let lo = at(v - radius - step).max(0.0) as usize;
-            let hi = at(v + radius).max(0.0) as usize;
-            lo..(hi + 1).min(n)
-        };
-        let side = BLOCK * BLOCK;
-        let half = 0.5 * BLOCK as f64 * step;
-        let rows = range(q.y, lattice.origin.y, self.low.len() / self.nx, BLOCK);
-        let columns = range(q.x, lattice.origin.x, self.nx, BLOCK);
-        for cy in range(q.y, lattice.origin.y, self.coarse_ny, side) {
-            for cx in range(q.x, lattice.origin.x, self.coarse_nx, side) {
-                if bound(cx, cy, side, self.coarse_low[cy * self.coarse_nx + cx]) >= limit {
+        let reach = radius_sq.sqrt() + cells;
+        let (large, small) = (&mut self.large, &mut self.small);
+        let (origin, step) = (lattice.origin, lattice.step);
+        let ratio = LARGE / SMALL;
+        for by in large.span(mid.y, origin.y, step, reach, large.ny) {
+            for bx in large.span(mid.x, origin.x, step, reach, large.nx) {
+                let r = large.from(lattice, &mid, bx, by);
+                let (floor, _) = large.floor(nodes, bx, by);
+                if floor.clear_of(&over, r, large.half(lattice), cells, radius_sq) {
                     continue;
                 }
-                for by in rows.start.max(cy * BLOCK)..rows.end.min((cy + 1) * BLOCK) {
-                    for bx in columns.start.max(cx * BLOCK)..columns.end.min((cx + 1) * BLOCK) {
-                        let block = by * self.nx + bx;
-                        if bound(bx, by, BLOCK, self.low[block]) >= limit {
-                            continue;
+                for sy in by * ratio..((by + 1) * ratio).min(small.ny) {
+                    for sx in bx * ratio..((bx + 1) * ratio).min(small.nx) {
+                        let r = small.from(lattice, &mid, sx, sy);
+                        let (floor, _) = small.floor(nodes, sx, sy);
+                        if !floor.clear_of(&over, r, small.half(lattice), cells, radius_sq) {
+                            out.push((sy * small.nx + sx) as u32);
                         }
-                        let (rx, ry) = (
-                            lattice.x(bx * BLOCK) + half - q.x,
-                            lattice.y(by * BLOCK) + half - q.y,
-                        );
-                        if self.floor[block].underside(rx, ry, half, radius_sq) >= limit + ROUNDING
-                        {
-                            continue;
-                        }
-                        let xs = bx * BLOCK..((bx + 1) * BLOCK).min(lattice.nx);
-                        for iy in by * BLOCK..((by + 1) * BLOCK).min(lattice.ny) {
-                            let mut offer = |node: usize, x: f64, y: f64, c: f64| {
-                                let plan_sq = (x - q.x).powi(2) + (y - q.y).powi(2);
-                                if plan_sq > radius_sq || c == f64::NEG_INFINITY {
-                                    return;
-                                }
-                                let v = c - (radius_sq - plan_sq).sqrt();
-                                if v < limit {
-                                    limit = v;
-                                    best = Some(Best {
-                                        node,
-                                        value: v,
-                                        plan_sq,
-                                    });
-                                }
-                            };
-                            for ix in xs.clone() {
-                                let i = lattice.index(ix, iy);
-                                offer(i, lattice.x(ix), lattice.y(iy), center_z[i]);
-                            }
-                            if self.has_extras[block] {
-                                let row = lattice.index(xs.start, iy)..lattice.index(xs.end, iy);
-                                for e in owned(extras, row) {
-                                    offer(e.owner as usize, e.center.x, e.center.y, e.center.z);
-                                }
-                            }
-                        }
+                    }
+                }
+            }
+        }
+        out
+    }
+
+    /// The best ball of all in these squares whose underside over q is below `value`.
+    pub(super) fn below(
+        &self,
+        likely: &[u32],
+        nodes: &Nodes,
+        q: &Point2,
+        value: f64,
+    ) -> Option<Best> {
+        let (lattice, small) = (&nodes.lattice, &self.small);
+        let radius_sq = nodes.radius * nodes.radius;
+        let half = small.half(lattice);
+        let mut best: Option<Best> = None;
+        let mut limit = value;
+        for &k in likely {
+            let k = k as usize;
+            let (bx, by) = (k % small.nx, k / small.nx);
+            let over = Plane {
+                z: limit,
+                gx: 0.0,
+                gy: 0.0,
+            };
+            let r = small.from(lattice, q, bx, by);
+            let Some((floor, has_extras)) = small.floor[k] else {
+                continue; // all that are likely have been made
+            };
+            if floor.clear_of(&over, r, half, 0.0, radius_sq) {
+                continue;
+            }
+            let xs = bx * SMALL..((bx + 1) * SMALL).min(lattice.nx);
+            for iy in by * SMALL..((by + 1) * SMALL).min(lattice.ny) {
+                let mut offer = |node: usize, x: f64, y: f64, c: f64| {
+                    let plan_sq = (x - q.x).powi(2) + (y - q.y).powi(2);
+                    if plan_sq > radius_sq || c == f64::NEG_INFINITY {
+                        return;
+                    }
+                    let v = c - (radius_sq - plan_sq).sqrt();
+                    if v < limit {
+                        limit = v;
+                        best = Some(Best {
+                            node,
+                            value: v,
+                            plan_sq,
+                        });
+                    }
+                };
+                for ix in xs.clone() {
+                    let i = lattice.index(ix, iy);
+                    offer(i, lattice.x(ix), lattice.y(iy), nodes.balls.z[i]);
+                }
+                if has_extras {
+                    let row = lattice.index(xs.start, iy)..lattice.index(xs.end, iy);
+                    for e in owned(&nodes.extras, row) {
+                        offer(e.owner as usize, e.center.x, e.center.y, e.center.z);
                     }
                 }
             }

@@ -1,9 +1,9 @@
 #![allow(clippy::unwrap_used)]
+use super::underside::Underside;
 use super::*;
 use crate::geom::Point;
 use crate::part::Mesh;
 use proptest::prelude::*;
-use rayon::prelude::*;
 
 fn grid_mesh(n: usize, size: f64, z: impl Fn(f64, f64) -> f64) -> Mesh {
     let at = |i: usize, j: usize| {
@@ -26,9 +26,8 @@ fn grid_mesh(n: usize, size: f64, z: impl Fn(f64, f64) -> f64) -> Mesh {
 fn excess(mesh: &Mesh, radius: f64, step: f64) -> (f64, usize, usize) {
     let drop = DropCutter::new(mesh, radius);
     let r = reachable(&drop, step);
-    let nodes = sample(&drop, &r.lattice);
-    let s = Search::seeded(&r.lattice, radius, &nodes);
-    let f = s.underside();
+    let balls = drop.drop_all(&r.lattice);
+    let f = Underside::new(&r.lattice, &balls.z, radius);
     let k = (radius / step).ceil() as i16;
     let over: Vec<f64> = (0..r.lattice.len())
         .into_par_iter()
@@ -235,33 +234,49 @@ fn speed() {
         }),
     };
     let drop = DropCutter::new(&mesh, 3.0);
-    let lattice = lattice_for(&drop.bounds(), 3.0, 0.05);
     let t = std::time::Instant::now();
-    let nodes = sample(&drop, &lattice);
+    let r = reachable(&drop, 0.05);
     eprintln!(
-        "{} x {} nodes, drops {:?}",
-        lattice.nx,
-        lattice.ny,
+        "{} x {} cells: {:?}",
+        r.lattice.nx,
+        r.lattice.ny,
         t.elapsed()
     );
-    let t = std::time::Instant::now();
-    let mut last = t.elapsed();
-    let mut stage = |name: &str| {
-        let now = t.elapsed();
-        eprintln!("{name} {:?}", now - last);
-        last = now;
-    };
-    let mut s = Search::seeded(&lattice, 3.0, &nodes);
-    stage("seeded");
-    s.spread_in_bands();
-    stage("spread");
-    s.descend();
-    stage("descended");
-    s.settle();
-    stage("settled");
-    let extras = creases(&drop, &lattice, &nodes);
-    let near = near_extras(&lattice, &extras);
-    stage(&format!("{} extras", extras.len()));
-    let _ = s.refined(&nodes.part_z, &extras, &near);
-    stage("refined");
+}
+
+fn same(a: &Reachable, b: &Reachable) -> bool {
+    let bits = |v: &[f64]| v.iter().map(|z| z.to_bits()).collect::<Vec<_>>();
+    a.lattice == b.lattice
+        && bits(&a.part_z) == bits(&b.part_z)
+        && bits(&a.reach_z) == bits(&b.reach_z)
+        && a.by == b.by
+        && a.normal_z == b.normal_z
+}
+
+/// A window gives the bits of the whole, wherever it lies: each cell depends on what is near it and nothing else.
+#[test]
+fn windows_are_parts_of_the_whole() {
+    for seed in 0..6 {
+        let mesh = rough(seed);
+        let drop = DropCutter::new(&mesh, 2.0);
+        let whole = lattice_for(&drop.bounds(), 2.0, 0.05);
+        let all = window(&drop, &whole, 0..whole.nx, 0..whole.ny);
+        for (columns, rows) in [
+            (64..200, 128..256),
+            (0..64, 64..70),
+            (192..whole.nx, 0..whole.ny),
+        ] {
+            let part = window(&drop, &whole, columns.clone(), rows.clone());
+            let mut cut = Reachable::nothing(part.lattice, 2.0);
+            for i in 0..part.lattice.len() {
+                let (x, y) = part.lattice.cell(i);
+                let j = whole.index(x + columns.start, y + rows.start);
+                cut.part_z[i] = all.part_z[j];
+                cut.reach_z[i] = all.reach_z[j];
+                cut.by[i] = all.by[j];
+                cut.normal_z[i] = all.normal_z[j];
+            }
+            assert!(same(&cut, &part), "seed {seed}, {columns:?} {rows:?}");
+        }
+    }
 }

@@ -16,7 +16,7 @@ mod shape;
 
 use crate::geom::Point;
 use crate::sweep::Lattice;
-use piece::pieces;
+use piece::{Piece, pieces};
 use rayon::prelude::*;
 
 /// A straight move of the ball's *centre*, work coordinates, mm. Segments that follow each other without a gap (`to` of one
@@ -83,18 +83,20 @@ impl Swept {
             .enumerate()
             .for_each(|(band, (z, bin))| {
                 let first = band * BAND_ROWS;
-                let last = (first + BAND_ROWS).min(lattice.ny);
                 for &i in bin {
-                    let piece = &pieces[i as usize];
-                    let rows = piece.rows(&lattice, radius);
-                    for iy in rows.start.max(first)..rows.end.min(last) {
-                        let row = &mut z[(iy - first) * lattice.nx..(iy - first + 1) * lattice.nx];
-                        piece.for_row(&lattice, iy, radius, |columns, shape| {
-                            shape.lower(&lattice, columns.start, &mut row[columns]);
-                        });
-                    }
+                    lower(&lattice, first, z, &pieces[i as usize], radius);
                 }
             });
+    }
+
+    /// As [`Swept::cut`], on the calling thread alone: for a small map among many.
+    pub fn cut_alone(&mut self, segments: &[Segment], radius: f64) {
+        if self.lattice.is_empty() || !(radius.is_finite() && radius > 0.0) {
+            return;
+        }
+        for piece in &pieces(segments) {
+            lower(&self.lattice, 0, &mut self.z, piece, radius);
+        }
     }
 
     /// Where the ball moved along one segment reaches deepest into what still stands: at each cell the lower of `stock` (same
@@ -132,6 +134,18 @@ impl Swept {
                 place: Point::new(c.x, c.y, z),
             }
         })
+    }
+}
+
+/// Lowers whole rows of a map, the first of them being row `first`.
+fn lower(lattice: &Lattice, first: usize, z: &mut [f64], piece: &Piece, radius: f64) {
+    let last = first + z.len() / lattice.nx;
+    let rows = piece.rows(lattice, radius);
+    for iy in rows.start.max(first)..rows.end.min(last) {
+        let row = &mut z[(iy - first) * lattice.nx..(iy - first + 1) * lattice.nx];
+        piece.for_row(lattice, iy, radius, |columns, shape| {
+            shape.lower(lattice, columns.start, &mut row[columns]);
+        });
     }
 }
 

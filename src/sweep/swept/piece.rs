@@ -17,6 +17,8 @@ pub(super) enum Piece {
         to: Point,
         dir: Vector,
         plan: f64,
+        /// Turn of the chain (chord of the unit vectors) at `from` and at `to`; infinite at a corner or an end of it.
+        turn: [f64; 2],
     },
     /// The sphere at a vertex, as far as it is past `before` and short of `after` (unit vectors; `None`: no bound).
     Cap {
@@ -30,6 +32,8 @@ pub(super) fn pieces(segments: &[Segment]) -> Vec<Piece> {
     let mut out = Vec::with_capacity(2 * segments.len() + 1);
     // The open end of the chain: its last centre and direction.
     let mut open: Option<(Point, Option<Vector>)> = None;
+    // Which end of the side pushed last is the open end of the chain.
+    let mut before_end: Option<usize> = None;
     for s in segments {
         if !s.from.iter().chain(s.to.iter()).all(|v| v.is_finite()) {
             continue;
@@ -44,6 +48,7 @@ pub(super) fn pieces(segments: &[Segment]) -> Vec<Piece> {
                     before: dir,
                     after: None,
                 });
+                before_end = None;
             }
         }
         let d = s.to - s.from;
@@ -61,18 +66,25 @@ pub(super) fn pieces(segments: &[Segment]) -> Vec<Piece> {
             open = Some((s.to, before));
             continue;
         };
+        let bend = before.map_or(f64::INFINITY, |b| turn(&b, &dir));
+        if let (Some(Piece::Side { turn, .. }), Some(end)) = (out.last_mut(), before_end) {
+            turn[end] = bend;
+        }
         out.push(Piece::Cap {
             at: s.from,
             before,
             after: Some(dir),
         });
+        before_end = None;
         if plan > VERTICAL {
+            before_end = Some(usize::from(d.z >= 0.0));
             out.push(if d.z >= 0.0 {
                 Piece::Side {
                     from: s.from,
                     to: s.to,
                     dir,
                     plan,
+                    turn: [bend, f64::INFINITY],
                 }
             } else {
                 Piece::Side {
@@ -80,6 +92,7 @@ pub(super) fn pieces(segments: &[Segment]) -> Vec<Piece> {
                     to: s.from,
                     dir: -dir,
                     plan,
+                    turn: [f64::INFINITY, bend],
                 }
             });
         }
@@ -95,6 +108,25 @@ pub(super) fn pieces(segments: &[Segment]) -> Vec<Piece> {
     out
 }
 
+/// Chord between two unit vectors; infinite near the vertical.
+fn turn(a: &Vector, b: &Vector) -> f64 {
+    if a.z.abs().max(b.z.abs()) < 0.9 {
+        (a - b).norm()
+    } else {
+        f64::INFINITY
+    }
+}
+
+/// Strips reach this far past a gentle bend, mm, and so cover its lune, which is no wider than radius times turn: a few more cells
+/// cost less than a piece of their own. Zero at a sharper bend.
+fn past(turn: f64, radius: f64, lattice: &Lattice) -> f64 {
+    if turn < 0.05 && radius * turn < 4.0 * lattice.step {
+        1.2 * radius * turn
+    } else {
+        0.0
+    }
+}
+
 impl Piece {
     pub(super) fn rows(&self, lattice: &Lattice, radius: f64) -> std::ops::Range<usize> {
         match self {
@@ -104,7 +136,7 @@ impl Piece {
             Piece::Cap { at, before, after } => {
                 if let (Some(b), Some(a)) = (before, after) {
                     // Straight on: the strips' own padding covers the joint.
-                    if (a - b).norm_squared() < 1e-18 {
+                    if (a - b).norm_squared() < 1e-18 || past(turn(a, b), radius, lattice) > 0.0 {
                         return 0..0;
                     }
                 }
@@ -132,12 +164,14 @@ impl Piece {
                 to,
                 dir,
                 plan,
+                turn,
             } => {
+                let [early, late] = turn.map(|t| past(t, radius, lattice));
                 let (ux, uy) = ((to.x - from.x) / plan, (to.y - from.y) / plan);
                 let dy = y - from.y;
                 let ends = Interval {
-                    lo: (from.x.min(to.x) - from.x) - radius,
-                    hi: (from.x.max(to.x) - from.x) + radius,
+                    lo: (from.x.min(to.x) - from.x) - radius - early.max(late),
+                    hi: (from.x.max(to.x) - from.x) + radius + early.max(late),
                 };
                 // |distance from the line in plan| <= R
                 let clip = if uy.abs() > 1e-12 {
@@ -152,9 +186,12 @@ impl Piece {
                 if clip.is_empty() {
                     return;
                 }
-                let start = short_of(dir, dy, radius, clip);
-                let offset = to.x - from.x;
-                let end = short_of(dir, y - to.y, radius, clip.moved(-offset)).moved(offset);
+                let back = -early * dir.x;
+                let start =
+                    short_of(dir, dy + early * dir.y, radius, clip.moved(-back)).moved(back);
+                let offset = to.x + late * dir.x - from.x;
+                let dy_end = y - to.y - late * dir.y;
+                let end = short_of(dir, dy_end, radius, clip.moved(-offset)).moved(offset);
                 let shape = Shape::Side {
                     x0: from.x,
                     ax: ux,

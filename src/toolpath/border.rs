@@ -1,0 +1,149 @@
+//! Stretches of the part's border that need a pass of their own.
+//!
+//! Where passes cross the border they clean it between them. Where they run along it, the outermost may be up to a whole step away
+//! (and leave four times the cusp): there the ball goes along the border itself, its contact on it. On a slope the centre then lies
+//! outside the part's outline.
+
+use super::fit::{FitOptions, resample, rest, smooth};
+use super::pass::{Pass, PassKind, laid};
+use crate::feature::Regions;
+use crate::field::level_curves;
+use crate::geom::Point2;
+use crate::reach::{DropCutter, Hint, NodeKind, ToolCentreGrid};
+
+/// Ground up to this far (in passes) beyond the outermost pass is cut by it: half a pass, less what a field errs by at a border.
+const CUT_BESIDE: f64 = 0.42;
+
+/// A place on the border.
+struct Place {
+    at: Point2,
+    /// Feature, and the value of its field here.
+    field: Option<(usize, f64)>,
+}
+
+/// Passes along the stretches of the border that no level pass cleans.
+pub fn border(
+    grid: &ToolCentreGrid,
+    cutter: &DropCutter,
+    regions: &Regions,
+    fitting: &FitOptions,
+) -> Vec<Pass> {
+    let ground = |n: usize| grid.kind[n] == NodeKind::Ground;
+    let value = |n: usize| if ground(n) { 1.0 } else { 0.0 };
+    let crossing = |a: u32, b: u32| -> Option<Place> {
+        let inside = if ground(a as usize) { a } else { b };
+        let outside = a ^ b ^ inside;
+        let from = grid.crossings.partition_point(|c| c.inside < inside);
+        let at = grid.crossings[from..]
+            .iter()
+            .take_while(|c| c.inside == inside)
+            .find(|c| c.outside == outside)
+            .map(|c| c.contact.center.xy())?;
+        let label = regions.label[inside as usize];
+        let field = (label > 0).then(|| {
+            let k = label as usize - 1;
+            let f = &regions.features[k].field;
+            let (v, w) = (f.at(grid, inside as usize), f.at(grid, outside as usize));
+            let (p, q) = (grid.xy(inside as usize), grid.xy(outside as usize));
+            let t = ((at - p).norm() / (q - p).norm()).clamp(0.0, 1.0);
+            (k, if w.is_finite() { v + (w - v) * t } else { v })
+        });
+        Some(Place {
+            at,
+            field: field.filter(|f| f.1.is_finite()),
+        })
+    };
+    let mut out = Vec::new();
+    for curve in level_curves(grid, &value, &[0.5]) {
+        let places: Vec<Place> = curve.at.iter().filter_map(|e| crossing(e.a, e.b)).collect();
+        for (stretch, closed) in stretches(&places, curve.closed, regions) {
+            let feature = stretch.first().and_then(|&i| places[i].field).map(|f| f.0);
+            let at: Vec<Point2> = stretch.iter().map(|&i| places[i].at).collect();
+            let mut even = resample(&at, closed, 0.7 * grid.step);
+            // Border centres jump from facet to facet with their normals; rolling a little round the outline costs nothing.
+            smooth(&mut even, closed, 4);
+            let mut hint = Hint::default();
+            even.retain(|q| rest(cutter, q.x, q.y, &mut hint).is_some());
+            for (points, closed) in laid(cutter, &even, closed, fitting) {
+                if points.len() > 1 {
+                    out.push(Pass {
+                        kind: PassKind::Border,
+                        feature,
+                        points,
+                        closed,
+                    });
+                }
+            }
+        }
+    }
+    out
+}
+
+/// The runs of a border curve that need a pass, as indices into it, and whether a run is the whole closed curve.
+fn stretches(places: &[Place], closed: bool, regions: &Regions) -> Vec<(Vec<usize>, bool)> {
+    let n = places.len();
+    if n == 0 {
+        return Vec::new();
+    }
+    // Where a pass comes to the border: between two places on either side of a level, or of two features' rims.
+    let cut_between = |i: usize, j: usize| -> bool {
+        match (places[i].field, places[j].field) {
+            (Some((a, u)), Some((b, v))) if a == b => {
+                let levels = &regions.features[a].levels;
+                let (lo, hi) = (u.min(v), u.max(v));
+                let k = levels.partition_point(|l| *l <= lo);
+                levels.get(k).is_some_and(|l| *l <= hi)
+            }
+            (a, b) => a.is_some() != b.is_some() || a.map(|f| f.0) != b.map(|f| f.0),
+        }
+    };
+    let last = if closed { n } else { n - 1 };
+    let cuts: Vec<usize> = (0..last).filter(|&i| cut_between(i, (i + 1) % n)).collect();
+    let mut runs: Vec<(Vec<usize>, bool)> = Vec::new();
+    if cuts.is_empty() {
+        runs.push(((0..n).collect(), closed));
+    } else {
+        for w in cuts.windows(2) {
+            runs.push(((w[0] + 1..=w[1]).collect(), false));
+        }
+        let (first, end) = (cuts[0], cuts[cuts.len() - 1]);
+        if closed {
+            runs.push(((end + 1..n).chain(0..=first).collect(), false));
+        } else {
+            runs.push(((0..=first).collect(), false));
+            runs.push(((end + 1..n).collect(), false));
+        }
+    }
+    let mut needed: Vec<(Vec<usize>, bool)> = Vec::new();
+    for (run, whole) in runs {
+        let (Some(&a), Some(&b)) = (run.first(), run.last()) else {
+            continue;
+        };
+        let (Some((feature, u)), Some((_, v))) = (places[a].field, places[b].field) else {
+            // Ground without a field: nothing else cuts it.
+            needed.push((run, whole));
+            continue;
+        };
+        let levels = &regions.features[feature].levels;
+        let values = run.iter().filter_map(|&i| places[i].field.map(|f| f.1));
+        let (lo, hi) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |r, v| {
+            (r.0.min(v), r.1.max(v))
+        });
+        let beyond = if cuts.is_empty() {
+            // No pass comes to this border at all: how far is the nearest one?
+            let nearest = |v: f64| {
+                levels
+                    .iter()
+                    .map(|l| (l - v).abs())
+                    .fold(f64::INFINITY, f64::min)
+            };
+            nearest(lo).max(nearest(hi))
+        } else {
+            (hi - u.max(v)).max(u.min(v) - lo)
+        };
+        if beyond > CUT_BESIDE {
+            needed.push((run, whole));
+        }
+    }
+    needed
+}

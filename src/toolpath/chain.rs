@@ -1,0 +1,384 @@
+//! Chains: passes of one feature joined end to end by smooth turns on the surface, so that the tool goes on cutting without a stop.
+//!
+//! ```text
+//!   ------------------.          neighbouring passes in turn: a half circle where their ends lie side by side,
+//!   .-----------------'          a change of lane between closed loops, and wherever the next pass is too far
+//!   '------------------          the chain ends; `order` and `link` take over
+//! ```
+
+use super::fit::{FitOptions, fit_between};
+use super::link::LinkOptions;
+use super::pass::{Pass, PassKind};
+use super::turn::{Pose, Turn, turn};
+use crate::geom::{Point, Point2, Vector2};
+use crate::reach::DropCutter;
+use rayon::prelude::*;
+
+/// How far the next pass may be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ChainOptions {
+    /// Flat stepover of the job, mm.
+    pub stepover: f64,
+    /// Passes whose ends are further apart than this many stepovers are not joined.
+    pub reach: f64,
+}
+
+/// A run of passes, each beginning where the one before it ended; [`PassKind::Turn`] between cutting passes.
+pub type Chain = Vec<Pass>;
+
+/// Joins the passes of each feature into chains. Features keep the order in which they first come.
+pub fn chains(
+    cutter: &DropCutter,
+    passes: Vec<Pass>,
+    options: &ChainOptions,
+    links: &LinkOptions,
+    fitting: &FitOptions,
+) -> Vec<Chain> {
+    let mut groups: Vec<(Option<usize>, Vec<Pass>)> = Vec::new();
+    for p in passes.into_iter().filter(|p| p.points.len() > 1) {
+        match groups.iter_mut().find(|g| g.0 == p.feature) {
+            Some(g) => g.1.push(p),
+            None => groups.push((p.feature, vec![p])),
+        }
+    }
+    groups
+        .into_par_iter()
+        .flat_map_iter(|(_, left)| joined(cutter, left, options, links, fitting))
+        .collect()
+}
+
+/// Greedy: from the end of the chain always to the pass that can be entered soonest; a new chain begins at the pass with the lowest
+/// level left (an end of a family, never its middle).
+fn joined(
+    cutter: &DropCutter,
+    passes: Vec<Pass>,
+    options: &ChainOptions,
+    links: &LinkOptions,
+    fitting: &FitOptions,
+) -> Vec<Chain> {
+    let reach = options.reach * options.stepover;
+    let mut left: Vec<Option<Pass>> = passes.into_iter().map(Some).collect();
+    let mut ends: Vec<Entries> = left.iter().flatten().map(Entries::of).collect();
+    let mut alive: Vec<usize> = (0..left.len()).collect();
+    // What is joined to what, before any link is laid: (pass, turn that leads to it).
+    let mut plans: Vec<Vec<(Pass, Option<Turn>)>> = Vec::new();
+    while let Some(&first) = alive.first() {
+        alive.remove(0);
+        let Some(start) = left[first].take() else {
+            continue;
+        };
+        let mut chain = vec![(start, None)];
+        let mut turned = false;
+        loop {
+            let Some(from) = chain.last().and_then(|(p, _)| exit(p)) else {
+                break;
+            };
+            match next(&from, &alive, &ends, reach, links) {
+                Some((k, way, entry)) => {
+                    let i = alive.remove(k);
+                    if let Some(mut p) = left[i].take() {
+                        entry.apply(&mut p);
+                        chain.push((p, Some(way)));
+                    }
+                }
+                // An open chain may go on from its other end, once.
+                None if !turned && !chain[0].0.closed && chain.len() > 1 => {
+                    let from = exit(&reversed(&chain[0].0));
+                    let more =
+                        from.is_some_and(|f| next(&f, &alive, &ends, reach, links).is_some());
+                    if !more {
+                        break;
+                    }
+                    turned = true;
+                    chain = backwards(chain);
+                }
+                None => break,
+            }
+        }
+        plans.push(chain);
+    }
+    ends.clear();
+    plans
+        .into_par_iter()
+        .flat_map_iter(|chain| lay(cutter, chain, links, fitting))
+        .collect()
+}
+
+fn reversed(p: &Pass) -> Pass {
+    let mut p = p.clone();
+    if p.closed {
+        // A loop is entered and left at its first point, whichever way round.
+        p.points[1..].reverse();
+    } else {
+        p.points.reverse();
+    }
+    p
+}
+
+/// The same chain from its end: turns are symmetrical.
+fn backwards(chain: Vec<(Pass, Option<Turn>)>) -> Vec<(Pass, Option<Turn>)> {
+    let mut turns: Vec<Option<Turn>> = chain
+        .iter()
+        .skip(1)
+        .map(|(_, t)| t.as_ref().map(Turn::reversed))
+        .collect();
+    turns.push(None);
+    let mut out: Vec<(Pass, Option<Turn>)> = chain
+        .into_iter()
+        .map(|(p, _)| reversed(&p))
+        .zip(turns)
+        .collect();
+    out.reverse();
+    // After the reversal each turn leads to the pass behind it: the first has none.
+    out
+}
+
+/// Lays the turns of a chain on the surface; where one cannot be laid the chain is cut in two.
+fn lay(
+    cutter: &DropCutter,
+    chain: Vec<(Pass, Option<Turn>)>,
+    links: &LinkOptions,
+    fitting: &FitOptions,
+) -> Vec<Chain> {
+    let mut out: Vec<Chain> = Vec::new();
+    let mut run: Chain = Vec::new();
+    let joined = chain.len() > 1;
+    for (mut p, way) in chain {
+        if joined && p.closed {
+            if let Some(&first) = p.points.first() {
+                p.points.push(first);
+            }
+            p.closed = false;
+        }
+        if let (Some(way), Some(last)) = (way, run.last().and_then(|q| q.points.last().copied())) {
+            match p
+                .points
+                .first()
+                .and_then(|to| surface_link(cutter, &way, &last, to, links, fitting))
+            {
+                Some(points) => run.push(Pass {
+                    kind: PassKind::Turn,
+                    feature: p.feature,
+                    points,
+                    closed: false,
+                }),
+                None => out.push(std::mem::take(&mut run)),
+            }
+        }
+        run.push(p);
+    }
+    out.push(run);
+    out
+}
+
+/// A way in plan as a proven run on the surface between two places of it; `None` where the ball would fall, or climb something steep
+/// for it.
+pub fn surface_link(
+    cutter: &DropCutter,
+    way: &Turn,
+    from: &Point,
+    to: &Point,
+    links: &LinkOptions,
+    fitting: &FitOptions,
+) -> Option<Vec<Point>> {
+    let mut runs = fit_between(cutter, &way.points(fitting.probe), from, to, fitting);
+    if runs.len() != 1 {
+        return None;
+    }
+    let mut points = runs.pop()?;
+    // The ends must be the passes' own, not a ball that found another footing at the same place in plan.
+    let close = 3.0 * (fitting.gouge + fitting.stock);
+    if (points.first()? - from).norm() > close || (points.last()? - to).norm() > close {
+        return None;
+    }
+    let rise = points
+        .windows(2)
+        .map(|w| (w[1].z - w[0].z).abs())
+        .sum::<f64>();
+    if rise > 2.0 * (way.length + (from.z - to.z).abs()) + links.clearance {
+        return None;
+    }
+    if points.len() == 1 {
+        points.push(*to);
+    }
+    let last = points.len() - 1;
+    points[0] = *from;
+    points[last] = *to;
+    Some(points)
+}
+
+/// Where a pass can be entered.
+struct Entries {
+    closed: bool,
+    points: Vec<Point2>,
+    /// The corners of its box, to pass over what is far.
+    low: Point2,
+    high: Point2,
+}
+
+/// How a pass is entered.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Entry {
+    from: usize,
+    backwards: bool,
+}
+
+impl Entry {
+    fn apply(&self, p: &mut Pass) {
+        if p.closed {
+            p.points.rotate_left(self.from);
+            if self.backwards {
+                // The entry stays first.
+                p.points[1..].reverse();
+            }
+        } else if self.backwards {
+            p.points.reverse();
+        }
+    }
+}
+
+impl Entries {
+    fn of(p: &Pass) -> Entries {
+        let points: Vec<Point2> = p.points.iter().map(|q| q.xy()).collect();
+        let mut low = Point2::new(f64::INFINITY, f64::INFINITY);
+        let mut high = Point2::new(f64::NEG_INFINITY, f64::NEG_INFINITY);
+        for q in &points {
+            low = Point2::new(low.x.min(q.x), low.y.min(q.y));
+            high = Point2::new(high.x.max(q.x), high.y.max(q.y));
+        }
+        Entries {
+            closed: p.closed,
+            points,
+            low,
+            high,
+        }
+    }
+
+    fn gap(&self, at: &Point2) -> f64 {
+        let dx = (self.low.x - at.x).max(at.x - self.high.x).max(0.0);
+        let dy = (self.low.y - at.y).max(at.y - self.high.y).max(0.0);
+        dx.hypot(dy)
+    }
+
+    /// Poses at which it can be entered within `reach` of a place.
+    fn near(&self, at: &Point2, reach: f64) -> Vec<(Pose, Entry)> {
+        let n = self.points.len();
+        let mut out = Vec::new();
+        if n < 2 {
+            return out;
+        }
+        let mut offer = |i: usize, j: usize, backwards: bool| {
+            let d = self.points[j] - self.points[i];
+            let l = d.norm();
+            if l > 0.0 && (self.points[i] - at).norm() <= reach {
+                out.push((
+                    Pose {
+                        at: self.points[i],
+                        heading: d / l,
+                    },
+                    Entry { from: i, backwards },
+                ));
+            }
+        };
+        if self.closed {
+            for i in 0..n {
+                offer(i, (i + 1) % n, false);
+                offer(i, (i + n - 1) % n, true);
+            }
+        } else {
+            offer(0, 1, false);
+            offer(n - 1, n - 2, true);
+        }
+        out
+    }
+}
+
+/// Where a pass ends and the way it is heading there.
+pub fn exit(p: &Pass) -> Option<Pose> {
+    let n = p.points.len();
+    let (a, b) = if p.closed {
+        (p.points.last()?, p.points.first()?)
+    } else {
+        (p.points.get(n.checked_sub(2)?)?, p.points.last()?)
+    };
+    pose(b, a)
+}
+
+/// Where a pass begins and the way it is heading there.
+pub fn start(p: &Pass) -> Option<Pose> {
+    let (a, b) = (p.points.first()?, p.points.get(1)?);
+    pose(a, b).map(|q| Pose {
+        at: q.at,
+        heading: -q.heading,
+    })
+}
+
+fn pose(at: &Point, behind: &Point) -> Option<Pose> {
+    let d: Vector2 = at.xy() - behind.xy();
+    let l = d.norm();
+    (l > 0.0).then(|| Pose {
+        at: at.xy(),
+        heading: d / l,
+    })
+}
+
+/// The pass (as an index into `alive`) that can be entered soonest from a pose.
+fn next(
+    from: &Pose,
+    alive: &[usize],
+    ends: &[Entries],
+    reach: f64,
+    links: &LinkOptions,
+) -> Option<(usize, Turn, Entry)> {
+    let mut best: Option<(f64, usize, Turn, Entry)> = None;
+    for (k, &i) in alive.iter().enumerate() {
+        if ends[i].gap(&from.at) > reach {
+            continue;
+        }
+        for (to, entry) in ends[i].near(&from.at, reach) {
+            let straight = (to.at - from.at).norm() / links.feed;
+            if best.as_ref().is_some_and(|b| straight >= b.0) {
+                continue;
+            }
+            let (way, time) = quickest_turn(from, &to, links);
+            if best.as_ref().is_none_or(|b| time < b.0) {
+                best = Some((time, k, way, entry));
+            }
+        }
+    }
+    best.map(|(_, k, way, entry)| (k, way, entry))
+}
+
+/// Radii tried for a turn, in shares of the one that the machine takes at full feed.
+const RADII: [f64; 5] = [1.0, 0.6, 0.36, 0.22, 0.13];
+
+/// The turn between two poses that takes least time, s: a wide one is long, a tight one slow.
+pub fn quickest_turn(from: &Pose, to: &Pose, links: &LinkOptions) -> (Turn, f64) {
+    let full = links.feed * links.feed / (TAKES * links.acceleration);
+    // Half the gap between two poses side by side is the U-turn's own radius.
+    let side = {
+        let d = to.at - from.at;
+        0.5 * (d.x * from.heading.y - d.y * from.heading.x).abs()
+    };
+    let own = (side > 0.05 * full && side < full).then_some(side);
+    let mut best = (turn(from, to, full), f64::INFINITY);
+    best.1 = turn_time(&best.0, links);
+    for r in RADII[1..].iter().map(|r| r * full).chain(own) {
+        let t = turn(from, to, r);
+        let time = turn_time(&t, links);
+        if time < best.1 - 1e-9 {
+            best = (t, time);
+        }
+    }
+    best
+}
+
+/// Controllers blend the chords of an arc within their junction tolerance, which lets them take it faster than its centripetal
+/// acceleration alone would: by this factor on the acceleration.
+const TAKES: f64 = 1.5;
+
+fn turn_time(t: &Turn, links: &LinkOptions) -> f64 {
+    let v = links.feed;
+    let slow = (TAKES * links.acceleration * t.tightest()).sqrt().min(v);
+    t.curved / slow + (t.length - t.curved) / v + (v - slow) * (v - slow) / (links.acceleration * v)
+}

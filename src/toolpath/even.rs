@@ -1,0 +1,134 @@
+//! Evening out: what a first layout of the passes leaves is measured, and the metric is stretched where its cusps came out higher (or
+//! lower) than it said. Facets, noise, and curvature that changes within a stepover are then in the metric, and few spots are left to
+//! fill.
+
+use crate::feature::Regions;
+use crate::field::Metric;
+use crate::reach::{NodeKind, ToolCentreGrid};
+use rayon::prelude::*;
+
+/// How the measured cusps become a correction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EvenOptions {
+    /// Cusp height the passes were spaced for, mm.
+    pub spaced_for: f64,
+    /// Nodes in half a flat stepover.
+    pub reach: usize,
+    /// Least and largest correction of a squared length.
+    pub bounds: [f64; 2],
+}
+
+/// Ratios beyond this are no error of the metric: corners of passes, borders, creases.
+const STRUCTURE: f64 = 1.3;
+/// Where the field rises by less than this a pass, fronts meet, and what stands there is a corner.
+const FRONT: f64 = 0.9;
+
+/// Factor on the squared length at each node, from the highest cusp (mm, 0 = none seen) found at each node.
+pub fn correction(
+    grid: &ToolCentreGrid,
+    metric: &Metric,
+    regions: &Regions,
+    cusps: &[f32],
+    options: &EvenOptions,
+) -> Vec<f32> {
+    let (nx, ny) = (grid.nx, grid.ny);
+    let top = widest(cusps, nx, ny, options.reach);
+    let [least, most] = options.bounds;
+    let ratio: Vec<f32> = (0..grid.len())
+        .into_par_iter()
+        .map(|i| {
+            let r = f64::from(top[i]) / options.spaced_for;
+            if r <= 0.0 || r > STRUCTURE || !slopes_evenly(grid, metric, regions, i) {
+                f32::NAN
+            } else {
+                r.clamp(least, most) as f32
+            }
+        })
+        .collect();
+    // Twice a box: close to a Gauss bell; nodes without a figure take their neighbours'.
+    let once = mean(&ratio, nx, ny, options.reach);
+    let twice = mean(&once, nx, ny, options.reach);
+    twice
+        .into_iter()
+        .map(|r| if r.is_nan() { 1.0 } else { r })
+        .collect()
+}
+
+/// Whether a node lies well inside its feature where the field is a distance, one unit a pass.
+fn slopes_evenly(grid: &ToolCentreGrid, metric: &Metric, regions: &Regions, i: usize) -> bool {
+    let label = regions.label[i];
+    if grid.kind[i] != NodeKind::Ground || label == 0 {
+        return false;
+    }
+    let f = &regions.features[label as usize - 1];
+    let here = f.field.at(grid, i);
+    if here < 1.0 || (f.saddle.is_some() && here > f.rim - 1.0) {
+        return false;
+    }
+    let at = |d| {
+        grid.neighbour(i, d)
+            .map(|j| f.field.at(grid, j))
+            .filter(|v| v.is_finite())
+    };
+    let (Some(e), Some(w), Some(n), Some(s)) = (at((2, 0)), at((-2, 0)), at((0, 2)), at((0, -2)))
+    else {
+        return false;
+    };
+    let (gx, gy) = ((e - w) / (4.0 * grid.step), (n - s) / (4.0 * grid.step));
+    let m = &metric.tensor[i];
+    let det = m[0] * m[2] - m[1] * m[1];
+    let dual = (m[2] * gx * gx - 2.0 * m[1] * gx * gy + m[0] * gy * gy) / det;
+    dual > FRONT * FRONT
+}
+
+/// The highest value within `reach` nodes along either axis.
+fn widest(of: &[f32], nx: usize, ny: usize, reach: usize) -> Vec<f32> {
+    let mut rows = vec![0.0f32; nx * ny];
+    rows.par_chunks_mut(nx).enumerate().for_each(|(y, row)| {
+        for (x, v) in row.iter_mut().enumerate() {
+            let (a, b) = (x.saturating_sub(reach), (x + reach).min(nx - 1));
+            *v = of[y * nx + a..=y * nx + b]
+                .iter()
+                .copied()
+                .fold(0.0, f32::max);
+        }
+    });
+    let mut out = vec![0.0f32; nx * ny];
+    out.par_chunks_mut(nx).enumerate().for_each(|(y, row)| {
+        let (a, b) = (y.saturating_sub(reach), (y + reach).min(ny - 1));
+        for (x, v) in row.iter_mut().enumerate() {
+            *v = (a..=b).map(|k| rows[k * nx + x]).fold(0.0, f32::max);
+        }
+    });
+    out
+}
+
+/// Mean of what is there within `reach` nodes along either axis; NaN where nothing is.
+fn mean(of: &[f32], nx: usize, ny: usize, reach: usize) -> Vec<f32> {
+    let mut rows = vec![(0.0f32, 0u32); nx * ny];
+    rows.par_chunks_mut(nx).enumerate().for_each(|(y, row)| {
+        for (x, v) in row.iter_mut().enumerate() {
+            let (a, b) = (x.saturating_sub(reach), (x + reach).min(nx - 1));
+            for r in &of[y * nx + a..=y * nx + b] {
+                if !r.is_nan() {
+                    v.0 += r;
+                    v.1 += 1;
+                }
+            }
+        }
+    });
+    let mut out = vec![f32::NAN; nx * ny];
+    out.par_chunks_mut(nx).enumerate().for_each(|(y, row)| {
+        let (a, b) = (y.saturating_sub(reach), (y + reach).min(ny - 1));
+        for (x, v) in row.iter_mut().enumerate() {
+            let (sum, n) = (a..=b).fold((0.0, 0), |s, k| {
+                let r = rows[k * nx + x];
+                (s.0 + r.0, s.1 + r.1)
+            });
+            if n > 0 {
+                *v = sum / n as f32;
+            }
+        }
+    });
+    out
+}

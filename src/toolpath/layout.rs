@@ -1,0 +1,353 @@
+//! One way of cutting the whole part, laid from features to moves.
+//!
+//! ```text
+//! regions -> passes -> (measured, metric evened out, regions and passes again) -> chains -> fill -> order -> link
+//! ```
+
+use super::chain::{Chain, ChainOptions, chains};
+use super::detail::Detail;
+use super::even::{EvenOptions, correction};
+use super::fill::{FillOptions, FillReport, cusps_at_nodes, fill};
+use super::fit::FitOptions;
+use super::link::{Air, LinkOptions, link};
+use super::order::order;
+use super::pass::{Fitted, Pass, PassKind, PassOptions, passes};
+use super::plan::{Candidate, Ground, Plan, PlanOptions, Stage, Strategy, Weigh};
+use crate::feature::{GrowOptions, Regions, Source, farthest, grow, whole};
+use crate::field::{Front, Metric, Ruler};
+use crate::geom::Point;
+use crate::reach::{DropCutter, NodeKind, ToolCentreGrid};
+use crate::sweep::ReachTiles;
+
+/// What becomes a feature.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Layout {
+    /// Features grown from critical points, in one of the feature-wise strategies.
+    Features(Strategy),
+    /// The whole part from one source, equal cusps.
+    Whole(Source),
+    /// The whole part in plane sections at this angle from X, degrees.
+    Raster(f64),
+}
+
+impl Layout {
+    /// A name for tables.
+    pub fn name(&self) -> String {
+        match self {
+            Layout::Features(s) => s.name().to_string(),
+            Layout::Whole(s) => format!("whole from {}", s.name),
+            Layout::Raster(angle) => format!("raster at {angle:.0} deg"),
+        }
+    }
+}
+
+/// Everything a layout is laid with.
+pub(super) struct Bench<'a> {
+    pub ground: &'a Ground,
+    pub detail: &'a Detail<'a>,
+    pub reach: &'a ReachTiles<'a>,
+    pub air: &'a Air,
+    pub options: &'a PlanOptions,
+    pub links: &'a LinkOptions,
+    pub weigh: Weigh<'a>,
+    /// What stands over is filled; a raster to compare with needs none.
+    pub closed_loop: bool,
+}
+
+/// Cusps are planned at one of these shares of what is wanted; the rest is for what the field, the fit and the rounding take, and for
+/// facets and noise: ground that is rough by a few micrometres leaves higher cusps than its metric says. Where filling costs more than
+/// closer passes would, the next share is tried (with 5 um of noise, 0.7 h is a fifth shorter than 0.92 h and its 2,000 fills).
+pub const PLAN_SHARES: [f64; 5] = [0.96, 0.92, 0.86, 0.78, 0.70];
+/// Fills no longer than this share of the passes are not worth a second plan.
+const FILL_SHARE: f64 = 0.005;
+/// Fill where a cusp is higher than this share of what is wanted: below it lie what a lattice and a facet do to a measurement, and
+/// hundreds of bits whose links cost more than they mend.
+pub const FILL_START: f64 = 1.03;
+/// Corners are rounded to at most this share of the stepover: wider arcs leave a cusp that costs more to fill.
+const CORNER: f64 = 0.6;
+/// Ends of passes further apart than this many stepovers are not joined into a chain.
+const REACH: f64 = 6.0;
+/// Cells of the sweep map in a flat stepover: a cusp between two cells is then seen within a few percent.
+pub const CELLS_PER_STEPOVER: f64 = 14.0;
+
+/// Stepover that leaves a cusp of `scallop` on the flat, mm.
+pub fn flat_stepover(scallop: f64, radius: f64) -> f64 {
+    (8.0 * scallop * radius - 4.0 * scallop * scallop)
+        .max(0.0)
+        .sqrt()
+}
+
+/// Cells that are judged at most: beyond it nobody would wait.
+const CELLS: f64 = 1e9;
+
+/// Step of the sweep map over a part that resolves such a cusp, mm.
+pub fn sweep_step(cutter: &DropCutter, scallop: f64) -> f64 {
+    let (size, r) = (cutter.bounds().size(), cutter.radius());
+    let area = (size.x + 2.0 * r) * (size.y + 2.0 * r);
+    (flat_stepover(scallop, r) / CELLS_PER_STEPOVER).max((area / CELLS).sqrt())
+}
+
+/// Features of a layout, in a cusp metric whose unit is a cusp of `spaced_for` mm.
+pub(super) fn regions_of(
+    ground: &Ground,
+    layout: &Layout,
+    spaced_for: f64,
+    cusp: &Metric,
+) -> Regions {
+    let grid = &ground.grid;
+    let mut how = GrowOptions {
+        ruler: Ruler::IsoScallop,
+        passes_min: 2.0,
+        margin: 5.0,
+        over_share: 0.005,
+    };
+    match layout {
+        Layout::Features(strategy) => {
+            how.ruler = strategy.ruler();
+            let own =
+                (how.ruler != Ruler::IsoScallop).then(|| Metric::new(grid, how.ruler, spaced_for));
+            grow(
+                grid,
+                cusp,
+                own.as_ref().unwrap_or(cusp),
+                &ground.critical,
+                &how,
+            )
+        }
+        Layout::Whole(source) => whole(grid, cusp, cusp, source, &how),
+        Layout::Raster(angle) => {
+            how.ruler = Strategy::Raster(Some(*angle)).ruler();
+            how.over_share = 0.0;
+            let own = Metric::new(grid, how.ruler, spaced_for);
+            let source = raster_source(grid, how.ruler);
+            whole(grid, cusp, &own, &source, &how)
+        }
+    }
+}
+
+/// Plane sections begin at the ground farthest back across them.
+fn raster_source(grid: &ToolCentreGrid, ruler: Ruler) -> Source {
+    let nodes = match ruler {
+        Ruler::Isoplanar(across) => farthest(grid, &-across).into_iter().collect(),
+        _ => Vec::new(),
+    };
+    Source {
+        name: "raster".to_string(),
+        nodes,
+        front: Front::Straight,
+    }
+}
+
+/// Lays a layout at the first of the shares whose fills cost no more than closer passes would.
+pub(super) fn lay(bench: &Bench, layout: &Layout, stage: &mut dyn FnMut(Stage)) -> Plan {
+    let mut best = lay_at(bench, layout, PLAN_SHARES[0], stage);
+    for &share in &PLAN_SHARES[1..] {
+        let passes: f64 = best.passes.iter().map(Pass::length).sum();
+        if matches!(layout, Layout::Raster(_)) || best.fill.length_mm <= FILL_SHARE * passes {
+            break;
+        }
+        let next = lay_at(bench, layout, share, stage);
+        if next.figures.time_s >= best.figures.time_s {
+            break;
+        }
+        best = next;
+    }
+    best
+}
+
+fn lay_at(bench: &Bench, layout: &Layout, share: f64, stage: &mut dyn FnMut(Stage)) -> Plan {
+    let Bench {
+        ground,
+        detail,
+        reach,
+        air,
+        options,
+        links,
+        weigh,
+        closed_loop,
+    } = *bench;
+    let (grid, cutter) = (&ground.grid, &ground.cutter);
+    stage(Stage::Features);
+    let is_raster = matches!(layout, Layout::Raster(_));
+    let spaced_for = if is_raster {
+        options.scallop
+    } else {
+        share * options.scallop
+    };
+    let fitting = FitOptions::for_scallop(options.scallop, cutter.radius());
+    let mut metric = Metric::new(grid, Ruler::IsoScallop, spaced_for);
+    let mut regions = regions_of(ground, layout, spaced_for, &metric);
+    stage(Stage::Passes);
+    let stepover = flat_stepover(options.scallop, cutter.radius());
+    let shape = PassOptions {
+        stepover,
+        detail: Fitted::Proven,
+        corner: (links.feed * links.feed / (2.5 * links.acceleration)).min(CORNER * stepover),
+    };
+    let draft = PassOptions {
+        detail: Fitted::Draft,
+        ..shape
+    };
+    let first = |regions: &Regions| passes(grid, cutter, regions, &draft, &detail.steep, &fitting);
+    if is_raster {
+        // Its one step is measured, not reckoned: as wide as its worst place allows.
+        let cusps = cusps_at_nodes(grid, reach, &first(&regions));
+        let worst = highest_inside(grid, &cusps);
+        widen(
+            &mut regions,
+            (options.scallop / worst).sqrt().clamp(0.5, 2.0),
+        );
+    } else if layout_ruler(layout) == Ruler::IsoScallop {
+        let cusps = cusps_at_nodes(grid, reach, &first(&regions));
+        let how = EvenOptions {
+            spaced_for,
+            reach: (0.55 * stepover / grid.step).ceil() as usize,
+            bounds: [0.9, 1.25],
+        };
+        let factor = correction(grid, &metric, &regions, &cusps, &how);
+        for (t, f) in metric.tensor.iter_mut().zip(&factor) {
+            t.iter_mut().for_each(|v| *v *= f64::from(*f));
+        }
+        regions = regions_of(ground, layout, spaced_for, &metric);
+    }
+    let mut laid = passes(grid, cutter, &regions, &shape, &detail.steep, &fitting);
+    let (down, too_deep) = detail.walls(ground, &regions, &fitting);
+    laid.extend(down);
+    let pencils = detail.pencils(ground, &regions, &laid, options.scallop, &fitting);
+    laid.extend(pencils);
+    drop(metric);
+    let how = ChainOptions {
+        stepover,
+        reach: REACH,
+    };
+    let mut joined = chains(cutter, laid, &how, links, &fitting);
+    stage(Stage::Fill);
+    let mut all: Vec<Pass> = joined.iter().flatten().cloned().collect();
+    let before = all.len();
+    let to_fill = FillOptions {
+        scallop: options.scallop,
+        start: FILL_START,
+        keep: 0.75,
+        rounds: 6,
+    };
+    let fill = if closed_loop {
+        fill(grid, &regions, reach, &mut all, &to_fill, &fitting)
+    } else {
+        FillReport::default()
+    };
+    stage(Stage::Link);
+    joined.extend(chains(cutter, all.split_off(before), &how, links, &fitting));
+    let ordered = order(joined, home(cutter));
+    let (toolpath, section_features) = link(cutter, air, &ordered, &regions, links, &fitting);
+    let passes: Vec<Pass> = ordered.into_iter().flatten().collect();
+    let figures = weigh(&toolpath);
+    let cutting = passes.iter().filter(|p| p.kind != PassKind::Turn).count();
+    Plan {
+        candidates: vec![Candidate::of(layout.name(), &toolpath, cutting, figures)],
+        regions,
+        passes,
+        fill,
+        toolpath,
+        section_features,
+        fitting,
+        spaced_for,
+        too_deep,
+        layout: layout.clone(),
+        figures,
+    }
+}
+
+/// The two rasters that a plan is compared with: linked staying down, and retracting to the safe height after each pass. A plan that is the first of them
+/// already needs only the other.
+pub(super) fn rasters(
+    bench: &Bench,
+    raster: Option<Layout>,
+    chosen: &Plan,
+    stage: &mut dyn FnMut(Stage),
+) -> Vec<Candidate> {
+    let mut out = Vec::new();
+    let own;
+    let raster = match &raster {
+        Some(layout) => {
+            let open = Bench {
+                closed_loop: false,
+                ..*bench
+            };
+            own = lay(&open, layout, stage);
+            out.extend(own.candidates.iter().cloned());
+            &own
+        }
+        None => chosen,
+    };
+    // The same passes, each a chain of its own, and no link worth staying down for.
+    let apart: Vec<Chain> = raster
+        .passes
+        .iter()
+        .filter(|p| p.kind != PassKind::Turn)
+        .map(|p| vec![p.clone()])
+        .collect();
+    let links = LinkOptions {
+        retract_worth: f64::NEG_INFINITY,
+        retract_center_z: bench.links.safe_center_z,
+        ..*bench.links
+    };
+    let (cutter, count) = (&bench.ground.cutter, apart.len());
+    let ordered = order(apart, home(cutter));
+    let (path, _) = link(
+        cutter,
+        bench.air,
+        &ordered,
+        &raster.regions,
+        &links,
+        &raster.fitting,
+    );
+    let figures = (bench.weigh)(&path);
+    let name = format!("{} retracting", raster.layout.name());
+    out.push(Candidate::of(name, &path, count, figures));
+    out
+}
+
+/// Where the tool comes from: the corner of the part nearest the operator's zero, lowest x and y, from above.
+fn home(cutter: &DropCutter) -> Point {
+    let b = cutter.bounds();
+    Point::new(b.min.x, b.min.y, b.max.z + cutter.radius())
+}
+
+fn layout_ruler(layout: &Layout) -> Ruler {
+    match layout {
+        Layout::Features(s) => s.ruler(),
+        Layout::Whole(_) => Ruler::IsoScallop,
+        Layout::Raster(a) => Strategy::Raster(Some(*a)).ruler(),
+    }
+}
+
+/// The highest cusp further than half a millimetre inside the border, mm; never zero.
+fn highest_inside(grid: &ToolCentreGrid, cusps: &[f32]) -> f64 {
+    let n = (0.5 / grid.step).ceil() as i32;
+    let ground = |i: usize, d: (i32, i32)| {
+        grid.neighbour(i, d)
+            .is_some_and(|j| grid.kind[j] == NodeKind::Ground)
+    };
+    (0..grid.len())
+        .filter(|&i| {
+            [(n, 0), (-n, 0), (0, n), (0, -n)]
+                .iter()
+                .all(|d| ground(i, *d))
+        })
+        .map(|i| f64::from(cusps[i]))
+        .fold(1e-6, f64::max)
+}
+
+/// Sets the levels of every feature to a step of `by` units.
+fn widen(regions: &mut Regions, by: f64) {
+    for f in &mut regions.features {
+        let gap = match f.levels.as_slice() {
+            [a, b, ..] => (b - a) * by,
+            _ => continue,
+        };
+        f.levels = (0..)
+            .map(|k| (k as f64 + 0.5) * gap)
+            .take_while(|l| *l < f.rim)
+            .collect();
+    }
+}

@@ -1,0 +1,282 @@
+//! Smooth turns in plan: the shortest way from one place and heading to another that never bends tighter than a radius.
+//!
+//! L. E. Dubins, *On curves of minimal length with a constraint on average curvature*, Amer. J. Math. 79 (1957): it is an arc, a straight
+//! and an arc, or three arcs. A U-turn between two passes is its simplest case: half a circle, when the radius is half the gap.
+//!
+//! Knows nothing of surfaces: the caller drops the way onto the part and proves it.
+
+use crate::geom::{Point2, Vector2};
+use std::f64::consts::{PI, TAU};
+
+/// A place in plan and the way the tool is heading there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pose {
+    /// Place, mm.
+    pub at: Point2,
+    /// Unit vector.
+    pub heading: Vector2,
+}
+
+/// One piece of a turn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Piece {
+    Left(f64),
+    Right(f64),
+    Straight(f64),
+}
+
+/// A way between two poses.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Turn {
+    from: Pose,
+    radius: f64,
+    pieces: [Piece; 3],
+    /// Length in plan, mm.
+    pub length: f64,
+    /// Length of its arcs alone, mm.
+    pub curved: f64,
+}
+
+/// The shortest way of bending radius `radius` (above zero) from one pose to another.
+pub fn turn(from: &Pose, to: &Pose, radius: f64) -> Turn {
+    let d = (to.at - from.at) / radius;
+    let along = angle(&d);
+    let dist = d.norm();
+    let a = wrap(angle(&from.heading) - along);
+    let b = wrap(angle(&to.heading) - along);
+    let (sa, ca, sb, cb) = (a.sin(), a.cos(), b.sin(), b.cos());
+    let cab = (a - b).cos();
+    let mut best: Option<[Piece; 3]> = None;
+    let mut least = f64::INFINITY;
+    // In units of the radius; ties keep the first.
+    let mut offer = |t: f64, p: f64, q: f64, pieces: [Piece; 3]| {
+        let sum = t + p + q;
+        if sum < least - 1e-12 {
+            least = sum;
+            best = Some(pieces);
+        }
+    };
+    use Piece::{Left, Right, Straight};
+    let p2 = 2.0 + dist * dist - 2.0 * cab + 2.0 * dist * (sa - sb);
+    if p2 >= 0.0 {
+        let g = (cb - ca).atan2(dist + sa - sb);
+        let (t, p, q) = (wrap(g - a), p2.sqrt(), wrap(b - g));
+        offer(t, p, q, [Left(t), Straight(p), Left(q)]);
+    }
+    let p2 = 2.0 + dist * dist - 2.0 * cab + 2.0 * dist * (sb - sa);
+    if p2 >= 0.0 {
+        let g = (ca - cb).atan2(dist - sa + sb);
+        let (t, p, q) = (wrap(a - g), p2.sqrt(), wrap(g - b));
+        offer(t, p, q, [Right(t), Straight(p), Right(q)]);
+    }
+    let p2 = -2.0 + dist * dist + 2.0 * cab + 2.0 * dist * (sa + sb);
+    if p2 >= 0.0 {
+        let p = p2.sqrt();
+        let g = (-ca - cb).atan2(dist + sa + sb) - (-2.0f64).atan2(p);
+        let (t, q) = (wrap(g - a), wrap(g - b));
+        offer(t, p, q, [Left(t), Straight(p), Right(q)]);
+    }
+    let p2 = -2.0 + dist * dist + 2.0 * cab - 2.0 * dist * (sa + sb);
+    if p2 >= 0.0 {
+        let p = p2.sqrt();
+        let g = (ca + cb).atan2(dist - sa - sb) - 2.0f64.atan2(p);
+        let (t, q) = (wrap(a - g), wrap(b - g));
+        offer(t, p, q, [Right(t), Straight(p), Left(q)]);
+    }
+    let c = (6.0 - dist * dist + 2.0 * cab + 2.0 * dist * (sa - sb)) / 8.0;
+    if c.abs() <= 1.0 {
+        let p = wrap(TAU - c.acos());
+        let t = wrap(a - (ca - cb).atan2(dist - sa + sb) + p / 2.0);
+        let q = wrap(a - b - t + p);
+        offer(t, p, q, [Right(t), Left(p), Right(q)]);
+    }
+    let c = (6.0 - dist * dist + 2.0 * cab + 2.0 * dist * (sb - sa)) / 8.0;
+    if c.abs() <= 1.0 {
+        let p = wrap(TAU - c.acos());
+        let t = wrap(-a + (cb - ca).atan2(dist + sa - sb) + p / 2.0);
+        let q = wrap(b - a - t + p);
+        offer(t, p, q, [Left(t), Right(p), Left(q)]);
+    }
+    let pieces = best.unwrap_or([Straight(dist), Straight(0.0), Straight(0.0)]);
+    let mut length = 0.0;
+    let mut curved = 0.0;
+    for p in pieces {
+        match p {
+            Left(v) | Right(v) => {
+                length += v * radius;
+                curved += v * radius;
+            }
+            Straight(v) => length += v * radius,
+        }
+    }
+    Turn {
+        from: *from,
+        radius,
+        pieces,
+        length,
+        curved,
+    }
+}
+
+impl Turn {
+    /// Points along it, no further than `gap` mm apart and turning no more than a tenth of a radian from one to the next; both ends
+    /// among them.
+    pub fn points(&self, gap: f64) -> Vec<Point2> {
+        let mut out = vec![self.from.at];
+        let (mut at, mut heading) = (self.from.at, angle(&self.from.heading));
+        let r = self.radius;
+        for piece in self.pieces {
+            match piece {
+                Piece::Straight(v) => {
+                    let l = v * r;
+                    let n = (l / gap).ceil() as usize;
+                    let u = Vector2::new(heading.cos(), heading.sin());
+                    out.extend((1..=n).map(|k| at + u * (l * k as f64 / n as f64)));
+                    at += u * l;
+                }
+                Piece::Left(v) | Piece::Right(v) => {
+                    let side = if matches!(piece, Piece::Left(_)) {
+                        1.0
+                    } else {
+                        -1.0
+                    };
+                    let n = ((v * r / gap).max(v / 0.1)).ceil() as usize;
+                    let center = at + Vector2::new(-heading.sin(), heading.cos()) * (side * r);
+                    let place = |h: f64| center + Vector2::new(h.sin(), -h.cos()) * (side * r);
+                    out.extend((1..=n).map(|k| place(heading + side * v * k as f64 / n as f64)));
+                    heading += side * v;
+                    at = place(heading);
+                }
+            }
+        }
+        out
+    }
+
+    /// The same way gone backwards.
+    pub fn reversed(&self) -> Turn {
+        let mut heading = angle(&self.from.heading);
+        let mut at = self.from.at;
+        for piece in self.pieces {
+            (at, heading) = self.after(piece, at, heading);
+        }
+        let back = |p: Piece| match p {
+            Piece::Left(v) => Piece::Right(v),
+            Piece::Right(v) => Piece::Left(v),
+            Piece::Straight(v) => Piece::Straight(v),
+        };
+        Turn {
+            from: Pose {
+                at,
+                heading: -Vector2::new(heading.cos(), heading.sin()),
+            },
+            pieces: [
+                back(self.pieces[2]),
+                back(self.pieces[1]),
+                back(self.pieces[0]),
+            ],
+            ..self.clone()
+        }
+    }
+
+    fn after(&self, piece: Piece, at: Point2, heading: f64) -> (Point2, f64) {
+        let r = self.radius;
+        let (v, side) = match piece {
+            Piece::Straight(v) => {
+                return (
+                    at + Vector2::new(heading.cos(), heading.sin()) * (v * r),
+                    heading,
+                );
+            }
+            Piece::Left(v) => (v, 1.0),
+            Piece::Right(v) => (v, -1.0),
+        };
+        let center = at + Vector2::new(-heading.sin(), heading.cos()) * (side * r);
+        let h = heading + side * v;
+        (center + Vector2::new(h.sin(), -h.cos()) * (side * r), h)
+    }
+
+    /// Tightest radius on it, mm; infinite for a straight way.
+    pub fn tightest(&self) -> f64 {
+        if self.curved > 1e-9 {
+            self.radius
+        } else {
+            f64::INFINITY
+        }
+    }
+}
+
+fn angle(v: &Vector2) -> f64 {
+    v.y.atan2(v.x)
+}
+
+/// Into 0 .. 2 pi; what is a rounding error short of a full turn is none.
+fn wrap(a: f64) -> f64 {
+    let w = a.rem_euclid(TAU);
+    if TAU - w < 1e-9 { 0.0 } else { w }
+}
+
+/// Turn from one heading to another, radians, 0 .. pi.
+pub fn bend(a: &Vector2, b: &Vector2) -> f64 {
+    let (na, nb) = (a.norm(), b.norm());
+    if na > 0.0 && nb > 0.0 {
+        (a.dot(b) / (na * nb)).clamp(-1.0, 1.0).acos()
+    } else {
+        0.0
+    }
+    .min(PI)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn pose(x: f64, y: f64, a: f64) -> Pose {
+        Pose {
+            at: Point2::new(x, y),
+            heading: Vector2::new(a.cos(), a.sin()),
+        }
+    }
+
+    #[test]
+    fn a_u_turn_is_half_a_circle_and_a_straight_way_is_straight() {
+        let t = turn(&pose(0.0, 0.0, 0.0), &pose(0.0, 0.7, PI), 0.35);
+        assert!((t.length - 0.35 * PI).abs() < 1e-9, "{t:?}");
+        let t = turn(
+            &pose(0.0, 0.0, 0.3),
+            &pose(3.0 * 0.3f64.cos(), 3.0 * 0.3f64.sin(), 0.3),
+            0.35,
+        );
+        assert!((t.length - 3.0).abs() < 1e-9 && t.curved < 1e-6, "{t:?}");
+    }
+
+    proptest! {
+        /// It begins and ends where and as it should, bends no tighter than asked, and is no longer than going round.
+        #[test]
+        fn turns_join_poses(x in -3.0..3.0f64, y in -3.0..3.0f64, a in 0.0..TAU, b in 0.0..TAU, r in 0.1..1.5f64) {
+            let (from, to) = (pose(0.0, 0.0, a), pose(x, y, b));
+            let t = turn(&from, &to, r);
+            let p = t.points(0.05);
+            prop_assert!((p[0] - from.at).norm() < 1e-12);
+            prop_assert!((p[p.len() - 1] - to.at).norm() < 1e-6, "{:?} {:?}", p[p.len() - 1], t);
+            let length: f64 = p.windows(2).map(|w| (w[1] - w[0]).norm()).sum();
+            prop_assert!(length <= t.length + 1e-9 && length > 0.99 * t.length);
+            prop_assert!(t.length <= to.at.coords.norm() + 2.0 * TAU * r + 1e-9);
+            for w in p.windows(3) {
+                let (u, v) = (w[1] - w[0], w[2] - w[1]);
+                if u.norm() > 1e-6 && v.norm() > 1e-6 {
+                    prop_assert!(bend(&u, &v) < 0.11);
+                }
+            }
+            let back = t.reversed().points(0.05);
+            prop_assert!((back[0] - to.at).norm() < 1e-6 && (back[back.len() - 1] - from.at).norm() < 1e-6);
+            let n = p.len();
+            if n > 1 {
+                let first = p[1] - p[0];
+                let last = p[n - 1] - p[n - 2];
+                if first.norm() > 1e-6 { prop_assert!(bend(&first, &from.heading) < 0.06); }
+                if last.norm() > 1e-6 { prop_assert!(bend(&last, &to.heading) < 0.06); }
+            }
+        }
+    }
+}
