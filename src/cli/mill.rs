@@ -13,8 +13,8 @@ use crate::simulate::{DryRun, DryRunOptions, Kind, PartContext, Stock, dry_run};
 use crate::sweep::{Rest, RestOptions, rest};
 use crate::toolpath::plan::{self, Plan};
 use crate::toolpath::{
-    ArcOptions, DEFAULT_WALL_ANGLE, FILL_START, Figures, FitReport, Ground, LinkOptions,
-    PlanOptions, RETRACT_WORTH, Stage, Strategy, Toolpath, arcs, proof,
+    ArcOptions, DEFAULT_WALL_ANGLE, FILL_START, Figures, FitReport, Ground, LinkOptions, PlanOptions, RETRACT_WORTH,
+    Stage, Strategy, Toolpath, arcs, proof,
 };
 use crate::units::{MmPerMin, Rpm, Seconds};
 use crate::verify::{Deviation, dialect_of, verify};
@@ -188,12 +188,12 @@ struct MillJson<'a> {
     features: Vec<FeatureJson>,
     strategies: Vec<StrategyJson>,
     fill: FillJson,
+    fit: FitJson,
     walls: WallsJson,
     rest_tolerance_mm: f64,
     rest_surface_mm2: f64,
     rest_spots: usize,
     rest: Vec<RestJson>,
-    fit: FitJson,
     #[serde(flatten)]
     dry_run: &'a DryRun,
     read_back: ReadBackJson,
@@ -389,10 +389,7 @@ pub fn run(a: &MillArgs) -> Result<ExitCode, Failure> {
     let radius = a.tool.tool.radius;
     let mut progress = Progress::new();
     if a.arcs && !s.post.arcs {
-        say(&format!(
-            "note: --arcs: post {} has no arcs; the program will be of straight lines",
-            s.post.name
-        ));
+        say(&format!("note: --arcs: post {} has no arcs; the program will be of straight lines", s.post.name));
     }
     progress.stage("import", "reading the part");
     let (loaded, placement) = a.placing.load(&a.part)?;
@@ -676,6 +673,7 @@ fn mill_json<'a>(
             length_mm: planned.fill.length_mm,
             cells_left: planned.fill.cells_left,
         },
+        fit: fit.into(),
         walls: WallsJson {
             angle_deg: a.wall_angle,
             flute_mm: a.tool.tool.flute_length(),
@@ -706,7 +704,6 @@ fn mill_json<'a>(
                 largest_ball_mm: s.largest_ball.map(|r| (200.0 * r).floor() / 100.0),
             })
             .collect(),
-        fit: fit.into(),
         dry_run: verdict,
         read_back: ReadBackJson {
             moves: deviation.moves,

@@ -7,7 +7,8 @@ use super::plans;
 use morsemill::feature::{FeatureKind, Regions};
 use morsemill::reach::{DropCutter, NodeKind};
 use morsemill::toolpath::Ground;
-use morsemill::toolpath::plan::{PLAN_SHARES, Strategy, features, survey};
+use morsemill::toolpath::PLAN_SHARES;
+use morsemill::toolpath::plan::{Strategy, features, survey};
 
 fn judge(name: &str, ground: &Ground, regions: &Regions) {
     let g = &ground.grid;

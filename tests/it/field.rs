@@ -11,7 +11,8 @@ use morsemill::field::march::Access;
 use morsemill::field::{Front, MarchOptions, Metric, Ruler, level_curves, march};
 use morsemill::geom::{Point, Point2, Vector, Vector2};
 use morsemill::reach::{DropCutter, GridOptions, GridPlan, NodeKind, ToolCentreGrid};
-use morsemill::toolpath::plan::{PLAN_SHARES, Strategy, features, survey};
+use morsemill::toolpath::PLAN_SHARES;
+use morsemill::toolpath::plan::{Strategy, features, survey};
 use rayon::prelude::*;
 
 const R: f64 = 3.0;

@@ -173,6 +173,12 @@ fn the_mesh_itself_has_the_shipped_parts_critical_points() {
             folder.path(),
             &[&path, "--up", "+z", "--origin", "part", "--on", "mesh"],
         );
+        if json["part"]["soundness"]["closed"] == true {
+            // A solid's border is on the table: its mesh has walls and an underside instead.
+            let n = |k: &str| json["critical_points"][k].as_i64().unwrap();
+            assert_eq!(n("maxima") - n("saddles") + n("minima"), 2, "{}", part.file);
+            continue;
+        }
         let truth = part.truth();
         for (k, name) in [("maxima", "max"), ("minima", "min"), ("saddles", "saddle")] {
             assert_eq!(

@@ -5,15 +5,17 @@ use super::common::{PARTS, Shelf, Shipped};
 use super::morse::options;
 use morsemill::gcode::{Event, MotionKind, interpret};
 use morsemill::geom::Point;
+use morsemill::kinematics::Settings;
 use morsemill::machine::Machine;
 use morsemill::part::Mesh;
 use morsemill::post::{Coolant, Job, Post, Posted, write};
 use morsemill::reach::DropCutter;
 use morsemill::simulate::{DryRun, DryRunOptions, PartContext, Stock, dry_run};
 use morsemill::toolpath::plan::{Plan, Strategy, plan, survey};
-use morsemill::toolpath::{Ground, LinkOptions};
+use morsemill::toolpath::{Ground, LinkOptions, RETRACT_WORTH, Toolpath};
 use morsemill::units::{MmPerMin, Rpm, Seconds};
 use morsemill::verify::dialect_of;
+use morsemill::weigh::weigh;
 use std::sync::{Arc, OnceLock};
 
 pub const R: f64 = 3.0;
@@ -70,6 +72,8 @@ pub fn links(top: f64) -> LinkOptions {
         clearance: 0.5,
         block_center_z: f64::NEG_INFINITY,
         safe_center_z: top + ALLOWANCE + 5.0 + R,
+        retract_center_z: f64::NEG_INFINITY,
+        retract_worth: RETRACT_WORTH,
     }
 }
 
@@ -84,7 +88,9 @@ fn make(part: Shipped, scallop: f64, strategy: Strategy) -> Planned {
     let cutter = DropCutter::new(&mesh, R);
     let ground = survey(cutter, &how, &mut |_, _| {}, &mut |_| {}).unwrap();
     let top = mesh.bounds().max.z;
-    let (plan, reachable) = plan(&mesh, &ground, &how, &links(top), &mut |_| {});
+    let settings = Settings::from(&machine());
+    let clock = |path: &Toolpath| weigh(path, &settings, MmPerMin(1500.0), MmPerMin(500.0));
+    let (plan, reachable) = plan(&mesh, &ground, &how, &links(top), &clock, &mut |_| {});
     let job = Job {
         header: vec![format!("{} {scallop}", part.file)],
         feed: MmPerMin(1500.0),
