@@ -670,6 +670,40 @@ fn free(cutter: &DropCutter, a: &Point, b: &Point, probe: f64, hint: &mut Hint) 
     })
 }
 
+/// The places between the end of one run and the start of the next, a step apart; `None` when the ball cannot go there straight. Over a
+/// bulging wall it goes in four pieces, each end lifted onto the wall.
+fn step_down(
+    cutter: &DropCutter,
+    from: &Point,
+    to: &Point,
+    fitting: &FitOptions,
+    hint: &mut Hint,
+) -> Option<Vec<Point>> {
+    let probe = 0.5 * fitting.probe;
+    if free(cutter, from, to, probe, hint) {
+        return Some(Vec::new());
+    }
+    let mut way = Vec::with_capacity(3);
+    for k in 1..4 {
+        let mut q = from + (to - from) * (f64::from(k) / 4.0);
+        let rest = cutter.drop_near(q.x, q.y, hint)?.center.z;
+        // A wall bulges by micrometres; anything more is in the way.
+        if rest - q.z > 0.25 * (to - from).norm() {
+            return None;
+        }
+        q.z = q.z.max(rest);
+        way.push(q);
+    }
+    let mut last = *from;
+    for q in way.iter().chain([to]) {
+        if !free(cutter, &last, q, probe, hint) {
+            return None;
+        }
+        last = *q;
+    }
+    Some(way)
+}
+
 /// One wall on its way down.
 struct Stack {
     points: Vec<Point>,
@@ -719,11 +753,12 @@ fn stacked(
                 } else if k > 0 {
                     run.reverse();
                 }
-                let step = stacks[s]
+                let way = stacks[s]
                     .points
                     .last()
-                    .is_some_and(|end| free(cutter, end, &run[0], 0.5 * fitting.probe, &mut hint));
-                if step {
+                    .and_then(|end| step_down(cutter, end, &run[0], fitting, &mut hint));
+                if let Some(way) = way {
+                    stacks[s].points.extend(way);
                     if closed {
                         run.push(run[0]);
                     }
