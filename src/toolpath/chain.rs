@@ -69,10 +69,7 @@ fn joined(
         };
         let mut chain = vec![(start, None)];
         let mut turned = false;
-        loop {
-            let Some(from) = chain.last().and_then(|(p, _)| exit(p)) else {
-                break;
-            };
+        while let Some(from) = chain.last().and_then(|(p, _)| exit(p)) {
             match next(&from, &alive, &ends, reach, links) {
                 Some((k, way, entry)) => {
                     let i = alive.remove(k);

@@ -44,6 +44,9 @@ pub struct FillReport {
 /// Normals flatter than this (upright walls) are not judged in plan.
 const UPRIGHT: f32 = 0.02;
 
+/// Rounds in which rows of spots are looked for.
+const STROKE_ROUNDS: usize = 2;
+
 /// Adds fill passes to `passes` until no cusp stands over, or the rounds are used up. All tiles are swept and looked at once; what stands
 /// over, and the crest near it, is all that a later round can change, so only those cells are kept (40 bytes each) and swept again.
 pub fn fill(
@@ -65,8 +68,13 @@ pub fn fill(
             return report;
         }
         report.rounds += 1;
-        // Rows of spots first; what they leave is looked at again.
-        let rows = strokes(&over, crests.stepover / step);
+        // Rows of spots first; what they leave is looked at again. Specks that happen to lie in a row must not keep the rest waiting
+        // until the rounds are used up.
+        let rows = if report.rounds <= STROKE_ROUNDS {
+            strokes(&over, crests.stepover / step)
+        } else {
+            Vec::new()
+        };
         let curves: Vec<Vec<Point2>> = if rows.is_empty() {
             // Branches shorter than half a stepover are cut by the line they leave.
             middle_lines(&cells, ((0.5 * crests.stepover / step) as usize).max(3))

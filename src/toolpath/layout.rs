@@ -219,6 +219,8 @@ fn lay_at(bench: &Bench, layout: &Layout, share: f64, stage: &mut dyn FnMut(Stag
             bounds: [0.9, 1.25],
         };
         let factor = correction(grid, &metric, &regions, &cusps, &how);
+        // On a large part two sets of fields are more than there is room for.
+        drop((cusps, std::mem::take(&mut regions)));
         for (t, f) in metric.tensor.iter_mut().zip(&factor) {
             t.iter_mut().for_each(|v| *v *= f64::from(*f));
         }

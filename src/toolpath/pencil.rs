@@ -66,7 +66,7 @@ fn along(
     fitting: &FitOptions,
 ) -> Vec<Pass> {
     let curve = beside(cutter, crease, options.off_wall);
-    let wall = crease.points.iter().any(|p| p.rise > 0.0);
+    let wall = crease.points.iter().any(by_wall);
     // Beside a wall no chord may stray as far as the room that is kept.
     let fitting = if wall {
         FitOptions {
@@ -95,6 +95,15 @@ fn along(
         .collect()
 }
 
+/// Contacts with a smaller vertical part of the normal are kept off: a micrometre sideways is a micrometre of gouge there, and the
+/// program rounds to one.
+const STEEP: f64 = 0.35;
+
+/// Does one of the two contacts lie on a wall?
+fn by_wall(p: &CreasePoint) -> bool {
+    p.rise > 0.0 || p.normals[0].z.min(p.normals[1].z) < STEEP
+}
+
 /// The crease in plan, moved out from under upright walls.
 fn beside(cutter: &DropCutter, crease: &Crease, off_wall: f64) -> Vec<Point2> {
     let at: Vec<(Point2, Vector2)> = crease
@@ -108,6 +117,8 @@ fn beside(cutter: &DropCutter, crease: &Crease, off_wall: f64) -> Vec<Point2> {
         .map(|(q, p)| {
             if p.rise > 0.0 {
                 free(cutter, p, q, off_wall)
+            } else if by_wall(p) {
+                q
             } else {
                 p.center.xy()
             }

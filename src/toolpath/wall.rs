@@ -114,7 +114,7 @@ pub fn steep(grid: &ToolCentreGrid, part: &Uprights, options: &WallOptions) -> S
 }
 
 impl Steep {
-    /// Where a level curve of a feature runs along a wall for more than a stepover: the wall has passes of its own.
+    /// Where a level curve of a feature runs along a wall for more than two stepovers: the wall has passes of its own.
     pub fn along(&self, grid: &ToolCentreGrid, curve: &LevelCurve) -> Vec<bool> {
         let n = curve.at.len();
         let mut out: Vec<bool> = curve
@@ -125,6 +125,8 @@ impl Steep {
         if !out.contains(&true) {
             return out;
         }
+        let at: Vec<Option<Point2>> = curve.at.iter().map(|e| Some(e.xy(grid))).collect();
+        bridge(&mut out, &at, curve.closed, self.options.stepover);
         let start = if curve.closed {
             out.iter().position(|w| !w).unwrap_or(0)
         } else {
@@ -140,7 +142,7 @@ impl Steep {
                 }
                 run.push(i);
             } else {
-                if length < self.options.stepover {
+                if length < 2.0 * self.options.stepover {
                     run.iter().for_each(|&i| out[i] = false);
                 }
                 run.clear();
@@ -376,13 +378,16 @@ fn crossings(
 ) -> Runs {
     let mut too_deep: Option<TooDeep> = None;
     let mut hint = Hint::default();
-    let found: Vec<Option<Cross>> = edges
+    let masked = |&(a, b): &(u32, u32)| steep.node[a as usize] || steep.node[b as usize];
+    if !edges.iter().any(masked) {
+        return Runs::default();
+    }
+    // With each crossing, whether the wall is as steep as asked; a little less will do between two such places.
+    let found: Vec<Option<(Cross, bool)>> = edges
         .iter()
         .map(|&(a, b)| {
+            let on_wall = masked(&(a, b));
             let (a, b) = (a as usize, b as usize);
-            if !steep.node[a] && !steep.node[b] {
-                return None;
-            }
             let (low, high) = if grid.center_z[a] < grid.center_z[b] {
                 (a, b)
             } else {
@@ -430,12 +435,52 @@ fn crossings(
             if !leap && !is_wall(cutter, &at, &out, steep, &mut hint) {
                 return None;
             }
-            Some(Cross { at, out, z })
+            Some((Cross { at, out, z }, on_wall))
         })
+        .collect();
+    let at: Vec<Option<Point2>> = found.iter().map(|f| f.map(|f| f.0.at)).collect();
+    let mut kept: Vec<bool> = found.iter().map(|f| f.is_some_and(|f| f.1)).collect();
+    bridge(&mut kept, &at, closed, BRIDGED * steep.options.stepover);
+    let found: Vec<Option<Cross>> = found
+        .iter()
+        .zip(kept)
+        .map(|(f, k)| f.filter(|_| k).map(|f| f.0))
         .collect();
     Runs {
         runs: split(&found, closed),
         too_deep,
+    }
+}
+
+/// Gaps in a wall shorter than this many stepovers are cut with it.
+const BRIDGED: f64 = 4.0;
+
+/// Keeps what lies in short gaps (mm) between two kept places of a curve, unless there is no place at all in the gap.
+fn bridge(kept: &mut [bool], at: &[Option<Point2>], closed: bool, longest: f64) {
+    let n = kept.len();
+    let Some(start) = kept.iter().position(|k| *k) else {
+        return;
+    };
+    let steps = if closed { n } else { n - 1 - start };
+    let mut gap: Vec<usize> = Vec::new();
+    let (mut length, mut whole) = (0.0, true);
+    let mut last = at[start];
+    for k in 1..=steps {
+        let i = (start + k) % n;
+        match (last, at[i]) {
+            (Some(p), Some(q)) => length += (q - p).norm(),
+            _ => whole = false,
+        }
+        last = at[i];
+        if kept[i] {
+            if whole && length <= longest {
+                gap.iter().for_each(|&g| kept[g] = true);
+            }
+            gap.clear();
+            (length, whole) = (0.0, true);
+        } else {
+            gap.push(i);
+        }
     }
 }
 
@@ -457,7 +502,7 @@ fn is_wall(
         return false;
     };
     let rolls = (b.point - a.point).norm() < ROLLING * (b.center - a.center).norm();
-    !rolls && a.normal_z() < (0.9 * steep.options.angle).cos()
+    !rolls && a.normal_z() < (0.8 * steep.options.angle).cos()
 }
 
 /// Closes in on the height z between a low and a high place: where on the low side, and the balls on either side. `None` unless z
@@ -679,6 +724,40 @@ fn free(cutter: &DropCutter, a: &Point, b: &Point, probe: f64, hint: &mut Hint) 
     })
 }
 
+/// The places between the end of one run and the start of the next, a step apart; `None` when the ball cannot go there straight. Over a
+/// bulging wall it goes in four pieces, each end lifted onto the wall.
+fn step_down(
+    cutter: &DropCutter,
+    from: &Point,
+    to: &Point,
+    fitting: &FitOptions,
+    hint: &mut Hint,
+) -> Option<Vec<Point>> {
+    let probe = 0.5 * fitting.probe;
+    if free(cutter, from, to, probe, hint) {
+        return Some(Vec::new());
+    }
+    let mut way = Vec::with_capacity(3);
+    for k in 1..4 {
+        let mut q = from + (to - from) * (f64::from(k) / 4.0);
+        let rest = cutter.drop_near(q.x, q.y, hint)?.center.z;
+        // A wall bulges by micrometres; anything more is in the way.
+        if rest - q.z > 0.25 * (to - from).norm() {
+            return None;
+        }
+        q.z = q.z.max(rest);
+        way.push(q);
+    }
+    let mut last = *from;
+    for q in way.iter().chain([to]) {
+        if !free(cutter, &last, q, probe, hint) {
+            return None;
+        }
+        last = *q;
+    }
+    Some(way)
+}
+
 /// One wall on its way down.
 struct Stack {
     points: Vec<Point>,
@@ -764,11 +843,12 @@ fn stacked(
                     stack.level = level;
                     continue;
                 }
-                let step = stacks[s]
+                let way = stacks[s]
                     .points
                     .last()
-                    .is_some_and(|end| free(cutter, end, &run[0], 0.5 * fitting.probe, &mut hint));
-                if step {
+                    .and_then(|end| step_down(cutter, end, &run[0], fitting, &mut hint));
+                if let Some(way) = way {
+                    stacks[s].points.extend(way);
                     if closed {
                         run.push(run[0]);
                     }
