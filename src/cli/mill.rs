@@ -187,6 +187,7 @@ struct MillJson<'a> {
     critical_points: CriticalJson,
     features: Vec<FeatureJson>,
     strategies: Vec<StrategyJson>,
+    saddles: Vec<SaddleJson>,
     fill: FillJson,
     fit: FitJson,
     walls: WallsJson,
@@ -198,6 +199,19 @@ struct MillJson<'a> {
     dry_run: &'a DryRun,
     read_back: ReadBackJson,
     seconds: BTreeMap<&'static str, f64>,
+}
+
+/// The sharpest turns within three stepovers of a saddle.
+#[derive(serde::Serialize)]
+struct SaddleJson {
+    /// Index into `critical_points.points`.
+    point: usize,
+    x: f64,
+    y: f64,
+    /// With straight links.
+    largest_turn_before_deg: f64,
+    /// As cut.
+    largest_turn_deg: f64,
 }
 
 #[derive(serde::Serialize)]
@@ -675,6 +689,17 @@ fn mill_json<'a>(
         critical_points: show::critical_json(&ground.critical),
         features,
         strategies: show::strategies(planned),
+        saddles: planned
+            .saddles
+            .iter()
+            .map(|t| SaddleJson {
+                point: t.critical,
+                x: t.center.x,
+                y: t.center.y,
+                largest_turn_before_deg: t.before,
+                largest_turn_deg: t.after,
+            })
+            .collect(),
         fill: FillJson {
             rounds: planned.fill.rounds,
             passes: planned.fill.added,

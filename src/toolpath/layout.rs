@@ -268,6 +268,7 @@ fn lay_at(bench: &Bench, layout: &Layout, share: f64, stage: &mut dyn FnMut(Stag
         fitting,
         spaced_for,
         too_deep,
+        saddles: Vec::new(),
         layout: layout.clone(),
         figures,
     }

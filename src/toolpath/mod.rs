@@ -26,6 +26,7 @@ pub mod order;
 pub mod pass;
 pub mod pencil;
 pub mod plan;
+pub mod saddle;
 mod skeleton;
 mod stroke;
 mod turn;

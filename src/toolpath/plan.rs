@@ -8,6 +8,7 @@ use super::layout::{Bench, Layout, flat_stepover, lay, regions_of, sweep_step};
 use super::link::{Air, LinkOptions};
 use super::moves::{MoveKind, Toolpath};
 use super::pass::Pass;
+use super::saddle::{SaddleTurns, saddle_turns};
 use super::wall::TooDeep;
 use crate::feature::Regions;
 use crate::field::{Metric, Ruler};
@@ -139,6 +140,8 @@ pub struct Plan {
     pub spaced_for: f64,
     /// Walls left standing because the flutes are too short for them.
     pub too_deep: Vec<TooDeep>,
+    /// How smoothly passes turn into one another near saddles.
+    pub saddles: Vec<SaddleTurns>,
     /// What was laid.
     pub layout: Layout,
     /// Figures of its toolpath.
@@ -281,6 +284,9 @@ pub fn features(ground: &Ground, strategy: Strategy, spaced_for: f64) -> Regions
     regions_of(ground, &Layout::Features(strategy), spaced_for, &cusp)
 }
 
+/// Turns are told within so many stepovers of a saddle.
+const NEAR_SADDLE: f64 = 3.0;
+
 /// Plans the toolpath of a surveyed part (`part` is the mesh its cutter was made from). Also hands back the reachable surface it was
 /// judged against, in tiles.
 pub fn plan<'g>(
@@ -344,5 +350,11 @@ pub fn plan<'g>(
         ));
     }
     chosen.candidates = candidates;
+    chosen.saddles = saddle_turns(
+        &ground.critical,
+        &chosen.passes,
+        &chosen.toolpath,
+        NEAR_SADDLE * stepover,
+    );
     (chosen, reach)
 }
