@@ -35,16 +35,24 @@ pub fn chains(
     fitting: &FitOptions,
 ) -> Vec<Chain> {
     let mut groups: Vec<(Option<usize>, Vec<Pass>)> = Vec::new();
-    for p in passes.into_iter().filter(|p| p.points.len() > 1) {
+    let mut alone: Vec<Chain> = Vec::new();
+    for p in passes {
+        if p.points.len() < 2 {
+            // A touch has no heading to be joined by.
+            alone.push(vec![p]);
+            continue;
+        }
         match groups.iter_mut().find(|g| g.0 == p.feature) {
             Some(g) => g.1.push(p),
             None => groups.push((p.feature, vec![p])),
         }
     }
-    groups
+    let mut out: Vec<Chain> = groups
         .into_par_iter()
         .flat_map_iter(|(_, left)| joined(cutter, left, options, links, fitting))
-        .collect()
+        .collect();
+    out.extend(alone);
+    out
 }
 
 /// Greedy: from the end of the chain always to the pass that can be entered soonest; a new chain begins at the pass with the lowest

@@ -8,7 +8,7 @@ use super::pass::{Pass, PassKind, laid};
 use super::skeleton::middle_lines;
 use super::stroke::strokes;
 use crate::feature::Regions;
-use crate::geom::Point2;
+use crate::geom::{Point2, Vector2};
 use crate::reach::ToolCentreGrid;
 use crate::sweep::reachable::{NONE, Offset};
 use crate::sweep::tiles::touched;
@@ -86,7 +86,7 @@ pub fn fill(
                         .collect();
                     let mut even = resample(&curve, false, 2.0 * step);
                     smooth(&mut even, false, 6);
-                    even
+                    drawn_out(even, 0.3 * crests.stepover)
                 })
                 .collect()
         } else {
@@ -122,6 +122,25 @@ pub fn fill(
         report.length_mm += new.iter().map(Pass::length).sum::<f64>();
         passes.extend(new);
     }
+}
+
+/// A dab becomes a stroke of at least this length, mm, the way it lies: a tool that only touches leaves a mark, and a pass of one point
+/// cannot be entered along its way.
+fn drawn_out(curve: Vec<Point2>, shortest: f64) -> Vec<Point2> {
+    let (Some(&a), Some(&b)) = (curve.first(), curve.last()) else {
+        return curve;
+    };
+    let length: f64 = curve.windows(2).map(|w| (w[1] - w[0]).norm()).sum();
+    if length >= shortest {
+        return curve;
+    }
+    let way = (b - a).try_normalize(1e-9).unwrap_or_else(Vector2::x);
+    let middle = nalgebra::center(&a, &b);
+    vec![
+        middle - way * (0.5 * shortest),
+        middle,
+        middle + way * (0.5 * shortest),
+    ]
 }
 
 /// Every straight piece of some passes; a pass of one point is a piece without length.

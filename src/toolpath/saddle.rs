@@ -53,7 +53,10 @@ pub fn saddle_turns(
         let straight = b.xy() - a.xy();
         let leaves = heading(w[0].points.iter().rev()).map(|h| bend(&-h, &straight));
         let enters = heading(w[2].points.iter()).map(|h| bend(&straight, &h));
-        let sharpest = leaves.unwrap_or(0.0).max(enters.unwrap_or(0.0)).to_degrees();
+        let sharpest = leaves
+            .unwrap_or(0.0)
+            .max(enters.unwrap_or(0.0))
+            .to_degrees();
         for s in &mut out {
             if near(&s.center, a, reach) || near(&s.center, b, reach) {
                 s.before = s.before.max(sharpest);
@@ -96,9 +99,7 @@ fn near(center: &Point, p: &Point, reach: f64) -> bool {
 /// The way a run sets out in plan: from its first point to the first other one.
 fn heading<'a>(mut points: impl Iterator<Item = &'a Point>) -> Option<Vector2> {
     let first: Point2 = points.next()?.xy();
-    points
-        .map(|p| p.xy() - first)
-        .find(|d| d.norm() > SHORTEST)
+    points.map(|p| p.xy() - first).find(|d| d.norm() > SHORTEST)
 }
 
 #[cfg(test)]
