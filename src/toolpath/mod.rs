@@ -1,8 +1,13 @@
-//! From features to moves: passes, borders, fills, links, order, fitting.
+//! From features to moves: layouts, passes, chains, fills, order, links.
 //!
 //! ```text
-//! level curves in plan -> trimmed to free ground (pass) -> dropped onto the part and fitted (fit) -> swept, and filled where a
-//! cusp stands over (fill) -> put in order (order) -> linked (link) -> moves
+//! plan: which layouts (estimate), each laid and weighed, the quickest kept
+//!   layout: regions -> level curves in plan, corners rounded, trimmed to free ground (pass, border, corner)
+//!           -> measured as a draft, the metric evened out, laid again (even)
+//!           -> walls at constant height, pencils along creases (detail, wall, pencil)
+//!           -> dropped onto the part and fitted (fit) -> joined end to end by smooth turns (chain, turn)
+//!           -> swept, and filled where a cusp stands over (fill, stroke, skeleton)
+//!           -> put in order (order) -> linked, with arcs off and onto the surface (link, lead) -> moves, arcs
 //! ```
 //!
 //! Crosses the border: a [`Toolpath`] of typed moves of the *tool tip* in work coordinates, mm. Inside, passes are places of the
