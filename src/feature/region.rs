@@ -1,5 +1,6 @@
 //! What a feature is: a window of the grid with its own field, the levels to cut in it, and what was taken before it.
 
+use crate::geom::Point2;
 use crate::reach::ToolCentreGrid;
 
 /// Where a feature grew from.
@@ -121,4 +122,12 @@ pub struct Regions {
     pub features: Vec<Feature>,
     /// Feature of each node, from 1; 0 = none.
     pub label: Vec<u16>,
+}
+
+impl Regions {
+    /// The feature (index) that holds the ground nearest a place in plan; none off the grid or on ground that no feature holds.
+    pub fn feature_at(&self, grid: &ToolCentreGrid, at: &Point2) -> Option<usize> {
+        let label = self.label[grid.nearest(at.x, at.y)?];
+        (label as usize).checked_sub(1)
+    }
 }

@@ -80,11 +80,7 @@ fn along(
         .into_iter()
         .filter(|(points, _)| points.len() > 1)
         .map(|(points, closed)| {
-            let feature = grid
-                .nearest(points[0].x, points[0].y)
-                .map(|n| regions.label[n])
-                .filter(|l| *l > 0)
-                .map(|l| l as usize - 1);
+            let feature = regions.feature_at(grid, &points[0].xy());
             Pass {
                 kind: PassKind::Pencil,
                 feature,

@@ -875,10 +875,7 @@ fn stacked(
             feature: s
                 .points
                 .first()
-                .and_then(|p| grid.nearest(p.x, p.y))
-                .map(|n| regions.label[n])
-                .filter(|l| *l > 0)
-                .map(|l| l as usize - 1),
+                .and_then(|p| regions.feature_at(grid, &p.xy())),
             points: s.points,
             closed: false,
         })
