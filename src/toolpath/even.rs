@@ -28,11 +28,13 @@ pub fn correction(
     grid: &ToolCentreGrid,
     metric: &Metric,
     regions: &Regions,
-    cusps: &[f32],
+    cusps: Vec<f32>,
     options: &EvenOptions,
 ) -> Vec<f32> {
     let (nx, ny) = (grid.nx, grid.ny);
-    let top = widest(cusps, nx, ny, options.reach);
+    let top = widest(&cusps, nx, ny, options.reach);
+    // On a large part each of these is tens of megabytes: none stays longer than it must.
+    drop(cusps);
     let [least, most] = options.bounds;
     let ratio: Vec<f32> = (0..grid.len())
         .into_par_iter()
@@ -45,8 +47,10 @@ pub fn correction(
             }
         })
         .collect();
+    drop(top);
     // Twice a box: close to a Gauss bell; nodes without a figure take their neighbours'.
     let once = mean(&ratio, nx, ny, options.reach);
+    drop(ratio);
     let twice = mean(&once, nx, ny, options.reach);
     twice
         .into_iter()

@@ -16,8 +16,10 @@ use super::plan::{Candidate, Ground, Plan, PlanOptions, Stage, Strategy, Weigh};
 use crate::feature::{GrowOptions, Regions, Source, farthest, grow, whole};
 use crate::field::{Front, Metric, Ruler};
 use crate::geom::Point;
+use crate::part::Mesh;
 use crate::reach::{DropCutter, NodeKind, ToolCentreGrid};
 use crate::sweep::ReachTiles;
+use std::sync::OnceLock;
 
 /// What becomes a feature.
 #[derive(Clone, Debug, PartialEq)]
@@ -46,7 +48,9 @@ pub(super) struct Bench<'a> {
     pub ground: &'a Ground,
     pub detail: &'a Detail<'a>,
     pub reach: &'a ReachTiles<'a>,
-    pub air: &'a Air,
+    pub part: &'a Mesh,
+    /// Laid over the part when the first link is: on a large part it need not be there before.
+    pub air: &'a OnceLock<Air>,
     pub options: &'a PlanOptions,
     pub links: &'a LinkOptions,
     pub weigh: Weigh<'a>,
@@ -92,6 +96,12 @@ pub fn sweep_step(cutter: &DropCutter, scallop: f64) -> f64 {
 }
 
 impl Bench<'_> {
+    /// Where the air begins.
+    fn air(&self) -> &Air {
+        self.air
+            .get_or_init(|| Air::new(self.part, &self.ground.cutter, self.links))
+    }
+
     /// Whether the part is small enough to be laid several times over.
     pub fn small(&self) -> bool {
         self.ground.grid.len() <= LAID_TWICE
@@ -174,11 +184,11 @@ fn lay_at(bench: &Bench, layout: &Layout, share: f64, stage: &mut dyn FnMut(Stag
         ground,
         detail,
         reach,
-        air,
         options,
         links,
         weigh,
         closed_loop,
+        ..
     } = *bench;
     let (grid, cutter) = (&ground.grid, &ground.cutter);
     stage(Stage::Features);
@@ -218,9 +228,9 @@ fn lay_at(bench: &Bench, layout: &Layout, share: f64, stage: &mut dyn FnMut(Stag
             reach: (0.55 * stepover / grid.step).ceil() as usize,
             bounds: [0.9, 1.25],
         };
-        let factor = correction(grid, &metric, &regions, &cusps, &how);
+        let factor = correction(grid, &metric, &regions, cusps, &how);
         // On a large part two sets of fields are more than there is room for.
-        drop((cusps, std::mem::take(&mut regions)));
+        drop(std::mem::take(&mut regions));
         for (t, f) in metric.tensor.iter_mut().zip(&factor) {
             t.iter_mut().for_each(|v| *v *= f64::from(*f));
         }
@@ -254,7 +264,8 @@ fn lay_at(bench: &Bench, layout: &Layout, share: f64, stage: &mut dyn FnMut(Stag
     stage(Stage::Link);
     joined.extend(chains(cutter, all.split_off(before), &how, links, &fitting));
     let ordered = order(joined, home(cutter));
-    let (toolpath, section_features) = link(cutter, air, &ordered, &regions, links, &fitting);
+    let (toolpath, section_features) =
+        link(cutter, bench.air(), &ordered, &regions, links, &fitting);
     let passes: Vec<Pass> = ordered.into_iter().flatten().collect();
     let figures = weigh(&toolpath);
     let cutting = passes.iter().filter(|p| p.kind != PassKind::Turn).count();
@@ -312,7 +323,7 @@ pub(super) fn rasters(
     let ordered = order(apart, home(cutter));
     let (path, _) = link(
         cutter,
-        bench.air,
+        bench.air(),
         &ordered,
         &raster.regions,
         &links,

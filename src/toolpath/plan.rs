@@ -5,7 +5,7 @@ use super::estimate::{best_raster_angle, best_source};
 use super::fill::{FillReport, far};
 use super::fit::FitOptions;
 use super::layout::{Bench, Layout, flat_stepover, lay, regions_of, sweep_step};
-use super::link::{Air, LinkOptions};
+use super::link::LinkOptions;
 use super::moves::{MoveKind, Toolpath};
 use super::pass::Pass;
 use super::saddle::{SaddleTurns, saddle_turns};
@@ -17,6 +17,7 @@ use crate::morse::{CriticalPoint, HeightField, MorseOptions, critical_points};
 use crate::part::Mesh;
 use crate::reach::{DropCutter, GridError, GridOptions, GridPlan, ToolCentreGrid};
 use crate::sweep::{ReachTiles, reachable_bytes};
+use std::sync::OnceLock;
 
 /// What becomes a feature, and how passes are spaced in it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -301,12 +302,13 @@ pub fn plan<'g>(
     let step = sweep_step(&ground.cutter, options.scallop);
     let stepover = flat_stepover(options.scallop, ground.cutter.radius());
     let reach = ReachTiles::new(&ground.cutter, step, far(stepover, step) as usize + 1);
-    let air = Air::new(part, &ground.cutter, links);
+    let air = OnceLock::new();
     let detail = Detail::find(part, ground, options);
     let bench = Bench {
         ground,
         detail: &detail,
         reach: &reach,
+        part,
         air: &air,
         options,
         links,
