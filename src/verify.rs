@@ -330,10 +330,10 @@ impl Witness<'_> {
                 MoveKind::Plunge | MoveKind::Cut | MoveKind::Link => MotionKind::Feed,
             },
             to: mv.to,
-            feed: if mv.kind == MoveKind::Plunge {
-                self.job.plunge
-            } else {
-                self.job.feed
+            feed: match (mv.kind, mv.feed) {
+                (MoveKind::Plunge, _) => self.job.plunge,
+                (_, Some(own)) if own.0 < self.job.feed.0 => own,
+                _ => self.job.feed,
             },
         };
         if i == 0 {

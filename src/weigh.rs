@@ -21,9 +21,9 @@ pub fn weigh(path: &Toolpath, settings: &Settings, feed: MmPerMin, plunge: MmPer
             MoveKind::Rapid | MoveKind::Retract => (Purpose::Air, feed),
             MoveKind::Plunge => (Purpose::Plunge, plunge),
             // Straight up off the surface at feed, not along it.
-            MoveKind::Link if upright => (Purpose::Plunge, feed),
-            MoveKind::Link => (Purpose::Link, feed),
-            MoveKind::Cut => (Purpose::Cut, feed),
+            MoveKind::Link if upright => (Purpose::Plunge, m.feed_within(feed)),
+            MoveKind::Link => (Purpose::Link, m.feed_within(feed)),
+            MoveKind::Cut => (Purpose::Cut, m.feed_within(feed)),
         };
         Leg {
             to: m.to,

@@ -34,7 +34,7 @@ pub struct Job {
     /// Comment lines for the top of the program: part, tool, stock assumption, tolerances, error budget. Any text: it is made
     /// harmless for the dialect and split where it is too long.
     pub header: Vec<String>,
-    /// Feed of [`MoveKind::Cut`] and [`MoveKind::Link`]; above zero.
+    /// Feed of [`MoveKind::Cut`] and [`MoveKind::Link`] that have no lower one of their own; above zero.
     pub feed: MmPerMin,
     /// Feed of [`MoveKind::Plunge`]; above zero.
     pub plunge: MmPerMin,
@@ -106,6 +106,18 @@ pub enum PostError {
         value: f64,
         /// The rule.
         must: &'static str,
+        /// Name of the dialect.
+        post: String,
+    },
+    /// A feed of a move that is no feed, or that this dialect would write as zero.
+    #[error(
+        "move {index}: its feed is {value} mm/min: it must be above zero, and large enough for the decimals of post {post}"
+    )]
+    MoveFeed {
+        /// Index into [`Toolpath::moves`].
+        index: usize,
+        /// The feed, mm/min.
+        value: f64,
         /// Name of the dialect.
         post: String,
     },
@@ -215,8 +227,8 @@ pub fn write(toolpath: &Toolpath, job: &Job, post: &Post) -> Result<Posted, Post
         }
         let word = match m.kind {
             MoveKind::Rapid | MoveKind::Retract => Word::Rapid,
-            MoveKind::Plunge => Word::Plunge,
-            MoveKind::Cut | MoveKind::Link => Word::Cut,
+            MoveKind::Plunge => Word::Feed(pen.plunge_feed),
+            MoveKind::Cut | MoveKind::Link => Word::Feed(pen.feed_of(i, m.feed)?),
         };
         let bow = match (&m.turn, m.kind) {
             (None, _) => None,
@@ -225,9 +237,9 @@ pub fn write(toolpath: &Toolpath, job: &Job, post: &Post) -> Result<Posted, Post
             }
             (Some(_), kind) => return Err(PostError::ArcKind { index: i, kind }),
         };
-        match bow {
-            None => pen.motion(word, to.map(Some))?,
-            Some(bow) => pen.arc(&bow, to)?,
+        match (bow, word) {
+            (Some(bow), Word::Feed(feed)) => pen.arc(&bow, to, feed)?,
+            _ => pen.motion(word, to.map(Some))?,
         }
         line_of_move.push(pen.last_motion_line);
     }
@@ -248,10 +260,8 @@ pub fn write(toolpath: &Toolpath, job: &Job, post: &Post) -> Result<Posted, Post
 enum Word {
     /// G0.
     Rapid,
-    /// G1 at the plunge feed.
-    Plunge,
-    /// G1 (or an arc) at the cutting feed.
-    Cut,
+    /// G1 or an arc, at this feed in units of its last decimal.
+    Feed(i64),
 }
 
 /// An arc as it is written.
@@ -353,6 +363,21 @@ impl<'a> Pen<'a> {
             per_unit,
             decimals: post.coordinate_decimals(),
         })
+    }
+
+    /// The feed of a cut or link: the job's, or the move's own where that is lower.
+    fn feed_of(&self, index: usize, own: Option<MmPerMin>) -> Result<i64, PostError> {
+        let Some(own) = own else {
+            return Ok(self.cut_feed);
+        };
+        number::round(own.0 / self.per_unit, self.post.feed_decimals())
+            .filter(|count| *count > 0)
+            .map(|count| count.min(self.cut_feed))
+            .ok_or_else(|| PostError::MoveFeed {
+                index,
+                value: own.0,
+                post: self.post.name.clone(),
+            })
     }
 
     /// A height as written, or `None` when it cannot be.
@@ -457,7 +482,7 @@ impl<'a> Pen<'a> {
     }
 
     /// A cut along an arc. X and Y are always said: a controller takes an arc without them for a mistake.
-    fn arc(&mut self, bow: &Bow, to: [i64; 3]) -> Result<(), PostError> {
+    fn arc(&mut self, bow: &Bow, to: [i64; 3], feed: i64) -> Result<(), PostError> {
         let start = self.begin_line();
         let g = if bow.clockwise { 2 } else { 3 };
         if !self.post.modal.motion || self.motion != Some(g) {
@@ -479,7 +504,7 @@ impl<'a> Pen<'a> {
             number::push(&mut self.out, count, self.decimals);
         }
         self.at = to.map(Some);
-        self.feed_word(Some(self.cut_feed), start);
+        self.feed_word(Some(feed), start);
         self.end_line(start)?;
         self.last_motion_line = self.lines;
         Ok(())
@@ -504,8 +529,7 @@ impl<'a> Pen<'a> {
         let start = self.begin_line();
         let (g, feed) = match word {
             Word::Rapid => (0, None),
-            Word::Plunge => (1, Some(self.plunge_feed)),
-            Word::Cut => (1, Some(self.cut_feed)),
+            Word::Feed(feed) => (1, Some(feed)),
         };
         if !self.post.modal.motion || self.motion != Some(g) {
             self.out.push_str(if g == 0 { "G0" } else { "G1" });

@@ -55,7 +55,7 @@ const MOST: usize = 400;
 /// Replaces runs of cuts and links by arcs where each arc is proven to keep the budgets. Sections keep their names and places.
 pub fn arcs(toolpath: &Toolpath, cutter: &DropCutter, options: &ArcOptions) -> Toolpath {
     let moves = &toolpath.moves;
-    // Stretches of straight moves of one kind within one section: an arc never crosses their ends.
+    // Stretches of straight moves of one kind and feed within one section: an arc never crosses their ends.
     let mut stretches: Vec<(usize, usize)> = Vec::new();
     let starts = |i: usize| {
         toolpath
@@ -74,6 +74,7 @@ pub fn arcs(toolpath: &Toolpath, cutter: &DropCutter, options: &ArcOptions) -> T
         while i < moves.len()
             && curved(&moves[i])
             && moves[i].kind == moves[first].kind
+            && moves[i].feed == moves[first].feed
             && !starts(i)
         {
             i += 1;
@@ -112,6 +113,7 @@ pub fn arcs(toolpath: &Toolpath, cutter: &DropCutter, options: &ArcOptions) -> T
                     kind: moves[i].kind,
                     to: moves[f.last].to,
                     turn: Some(f.turn),
+                    feed: moves[i].feed,
                 });
                 i = f.last + 1;
             }

@@ -1,6 +1,7 @@
 //! Linking: from the end of one pass to the start of the next, along the surface when that is proven and quicker, else through the
 //! air, no higher than needed.
 
+use super::calm::calm;
 use super::chain::{Chain, exit, quickest_turn, start, surface_link};
 use super::fit::FitOptions;
 use super::lead::{self, Lead};
@@ -34,6 +35,8 @@ pub struct LinkOptions {
     pub safe_center_z: f64,
     /// Retracts go at least as high as this (a height of the ball's centre); -inf for no higher than is proven safe.
     pub retract_center_z: f64,
+    /// Vertical acceleration that links along the surface keep to, by a feed of their own where it takes one, mm/s²; +inf for none.
+    pub vertical: f64,
     /// How much longer a link along the surface may take than a retract, s; -inf to retract after every pass.
     pub retract_worth: f64,
 }
@@ -164,6 +167,7 @@ pub fn link(
             ),
         );
     }
+    calm(&mut path.moves, options);
     (path, section_features)
 }
 

@@ -15,6 +15,7 @@
 
 pub mod arcs;
 mod border;
+mod calm;
 pub mod chain;
 mod corner;
 pub mod curve;
@@ -38,6 +39,7 @@ mod turn;
 pub mod wall;
 
 pub use arcs::{ArcOptions, arcs};
+pub use calm::CALM;
 pub use detail::DEFAULT_WALL_ANGLE;
 pub use fit::{FitOptions, FitReport, proof};
 pub use layout::{FILL_START, Layout, PLAN_SHARES, flat_stepover};

@@ -1,6 +1,7 @@
 //! What we want the machine to do, before any dialect.
 
 use crate::geom::{Point, Point2};
+use crate::units::MmPerMin;
 
 /// Why the tool moves; decides rapid or feed, and which feed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,6 +56,9 @@ pub struct Move {
     pub to: Point,
     /// `None` for a straight line. Only [`MoveKind::Cut`] and [`MoveKind::Link`] may turn.
     pub turn: Option<Turn>,
+    /// A feed of its own, lower than the job's for this kind; `None` for the job's. Only [`MoveKind::Cut`] and [`MoveKind::Link`]
+    /// have one.
+    pub feed: Option<MmPerMin>,
 }
 
 impl Move {
@@ -64,7 +68,13 @@ impl Move {
             kind,
             to,
             turn: None,
+            feed: None,
         }
+    }
+
+    /// The feed of a cut or link in a job of the feed `job`: never above it.
+    pub fn feed_within(&self, job: MmPerMin) -> MmPerMin {
+        self.feed.map_or(job, |own| MmPerMin(own.0.min(job.0)))
     }
 
     /// Length of this move when it begins at `from`, mm.
@@ -118,6 +128,7 @@ mod tests {
             kind: MoveKind::Cut,
             to: b,
             turn: Some(turn(false)),
+            feed: None,
         };
         assert!((m.length(&a) - (2.5 * PI).hypot(3.0)).abs() < 1e-12);
         assert!((Move::straight(MoveKind::Cut, b).length(&a) - 59f64.sqrt()).abs() < 1e-12);

@@ -167,6 +167,28 @@ fn catches_every_lie() {
 }
 
 #[test]
+fn catches_a_link_at_another_feed() {
+    let post = Post::load("grbl").unwrap();
+    let mut path = path();
+    let link = path
+        .moves
+        .iter()
+        .position(|m| m.kind == MoveKind::Link)
+        .unwrap();
+    path.moves[link].feed = Some(MmPerMin(600.0));
+    let good = write(&path, &job(), &post).unwrap();
+    assert!(verify(&good, &path, &job(), &post).is_ok());
+    let wrong = Posted {
+        text: good.text.replace("F600", "F900"),
+        ..good
+    };
+    let error = verify(&wrong, &path, &job(), &post)
+        .unwrap_err()
+        .to_string();
+    assert!(error.contains("at 600 mm/min, was meant"), "{error}");
+}
+
+#[test]
 fn the_record_of_lines_is_checked_too() {
     let post = Post::load("grbl").unwrap();
     let good = write(&path(), &job(), &post).unwrap();
@@ -252,7 +274,12 @@ fn any_path() -> impl Strategy<Value = Toolpath> {
                     to = last.to;
                     to[axis] += by;
                 }
-                moves.push(Move::straight(kind, to));
+                let feed = (axis == 1 && matches!(kind, MoveKind::Cut | MoveKind::Link))
+                    .then_some(MmPerMin(3.0 + x.abs()));
+                moves.push(Move {
+                    feed,
+                    ..Move::straight(kind, to)
+                });
             }
             if moves.is_empty() {
                 moves.push(go(MoveKind::Rapid, 0.0, 0.0, safe_z));
@@ -352,6 +379,7 @@ fn any_arcs() -> impl Strategy<Value = Toolpath> {
                 kind: MoveKind::Cut,
                 to,
                 turn,
+                feed: None,
             });
             at = to;
         }
@@ -409,6 +437,7 @@ fn catches_every_lie_about_an_arc() {
         kind: MoveKind::Cut,
         to: Point::new(15.0, 7.0, -1.3),
         turn: Some(turn(false)),
+        feed: None,
     };
     path.moves[3] = go(MoveKind::Cut, 10.0, 2.0, -1.2504);
     path.moves[5] = go(MoveKind::Retract, 15.0, 7.0, 2.0);

@@ -108,6 +108,26 @@ fn lines_of_moves_point_at_what_they_caused() {
 }
 
 #[test]
+fn a_move_may_be_slower_than_the_job_and_never_faster() {
+    let post = Post::load("grbl").unwrap();
+    let mut path = path();
+    path.moves[6].feed = Some(MmPerMin(600.0));
+    path.moves[7].feed = Some(MmPerMin(9000.0));
+    let posted = write(&path, &job(), &post).unwrap();
+    let lines: Vec<&str> = posted.text.lines().collect();
+    let at = |i: usize| words(lines[posted.line_of_move[i] - 1]);
+    assert_eq!(at(6), "Y3.5 Z-1.3 F600");
+    assert_eq!(at(7), "X1 Z-1.063 F1500");
+    for wrong in [0.0, -1.0, 1e-9, f64::NAN] {
+        path.moves[6].feed = Some(MmPerMin(wrong));
+        let error = write(&path, &job(), &post).unwrap_err();
+        assert!(matches!(error, PostError::MoveFeed { index: 6, .. }));
+        let text = error.to_string();
+        assert!(text.starts_with("move 6: its feed is"), "{text}");
+    }
+}
+
+#[test]
 fn z_rises_before_anything_else_and_after_everything() {
     for name in ["grbl", "linuxcnc"] {
         let text = write(&path(), &job(), &Post::load(name).unwrap())
@@ -354,6 +374,7 @@ fn arcs() -> Toolpath {
             center: Point2::origin(),
             clockwise,
         }),
+        feed: None,
     };
     Toolpath {
         moves: vec![
