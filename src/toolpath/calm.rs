@@ -157,6 +157,7 @@ impl Way {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used)]
     use super::*;
     use crate::geom::Point;
 
