@@ -360,14 +360,17 @@ pub fn link_line(w: &mut dyn Write, name: &str, d: &DryRun) -> io::Result<()> {
     };
     write!(
         w,
-        "{name} {:.0} lines/s (p99 {:.0}), {:.1} of {:.1} kB/s needed",
+        "{name} {:.0} lines/s (p99 {:.0}), {:.1} kB/s at the busiest, {:.1} kB/s carried: ",
         l.lines_per_s_max,
         l.lines_per_s_p99,
         1e-3 * l.bytes_per_s_needed,
         1e-3 * l.bytes_per_s_link
     )?;
+    // A burst may ask for more than the cable carries while the controller still has lines to run.
     if l.starved_s >= 0.05 {
-        write!(w, "; waits {:.1} s for lines", l.starved_s)?;
+        write!(w, "the machine waits {:.1} s for lines", l.starved_s)?;
+    } else {
+        write!(w, "the machine never waits for a line")?;
     }
     writeln!(w)
 }

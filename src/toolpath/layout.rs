@@ -285,8 +285,9 @@ fn lay_at(bench: &Bench, layout: &Layout, share: f64, stage: &mut dyn FnMut(Stag
     }
 }
 
-/// The two rasters that a plan is compared with: linked staying down, and retracting to the safe height after each pass. A plan that is the first of them
-/// already needs only the other.
+/// The two rasters that a plan is compared with: linked staying down, and retracting to the safe height after each pass, at the job's
+/// feed throughout, as rasters are: no link is slowed to keep the tool calm. A plan that is the first of them already needs only the
+/// other.
 pub(super) fn rasters(
     bench: &Bench,
     raster: Option<Layout>,
@@ -294,11 +295,16 @@ pub(super) fn rasters(
     stage: &mut dyn FnMut(Stage),
 ) -> Vec<Candidate> {
     let mut out = Vec::new();
+    let steady = LinkOptions {
+        vertical: f64::INFINITY,
+        ..*bench.links
+    };
     let own;
     let raster = match &raster {
         Some(layout) => {
             let open = Bench {
                 closed_loop: false,
+                links: &steady,
                 ..*bench
             };
             own = lay(&open, layout, stage);
@@ -317,7 +323,7 @@ pub(super) fn rasters(
     let links = LinkOptions {
         retract_worth: f64::NEG_INFINITY,
         retract_center_z: bench.links.safe_center_z,
-        ..*bench.links
+        ..steady
     };
     let (cutter, count) = (&bench.ground.cutter, apart.len());
     let ordered = order(apart, home(cutter));
