@@ -61,11 +61,13 @@ pub enum FunctionName {
     /// Average geodesic distance to the whole of the surface
     Geodesic,
     /// Distance to the plane that fits best
+    #[value(alias = "plane")]
     Projection,
 }
 
 impl FunctionName {
-    fn function(self) -> MorseFunction {
+    /// As `morse` knows it.
+    pub fn function(self) -> MorseFunction {
         match self {
             FunctionName::Height => MorseFunction::Height,
             FunctionName::MeanCurvature => MorseFunction::MeanCurvature,
@@ -279,6 +281,8 @@ fn on_grid(
         scallop: a.tool.scallop,
         strategy: a.strategy.with_angle(None),
         grid_step: None,
+        // The function is asked for itself, below, at every threshold.
+        function: MorseFunction::Height,
         persistence: a.persistence,
         memory_limit_bytes: 4 << 30,
         wall_angle: DEFAULT_WALL_ANGLE,

@@ -1,6 +1,7 @@
 //! `morsemill mill`: from a part to a proven program.
 
 use super::args::{PartArgs, ToolArgs, above_zero, parse};
+use super::features::FunctionName;
 use super::output::{say, to_stdout, write_json, write_whole};
 use super::progress::Progress;
 use super::show::{self, CriticalJson, FeatureJson, PartJson, StrategyJson};
@@ -73,7 +74,10 @@ pub struct MillArgs {
     /// Step of the tool-centre grid, mm; a fifth of the stepover if left out
     #[arg(long, allow_negative_numbers = true, value_name = "MM")]
     pub grid: Option<f64>,
-    /// Critical points whose heights differ less than this are noise, mm
+    /// Morse function whose critical points features grow from
+    #[arg(long, value_enum, default_value_t = FunctionName::Height)]
+    pub function: FunctionName,
+    /// Critical points whose values differ less than this are noise, mm (mean-curvature: 1/mm)
     #[arg(long, allow_negative_numbers = true, value_name = "MM")]
     pub persistence: Option<f64>,
     /// Ground steeper than this gets passes at constant height, degrees from the horizontal
@@ -181,7 +185,12 @@ struct MillJson<'a> {
     machine: &'a str,
     post: &'a str,
     grid_step_mm: f64,
-    persistence_mm: f64,
+    function: &'static str,
+    /// Of the function's values and of persistence.
+    unit: &'static str,
+    persistence: f64,
+    /// The same where the unit is mm.
+    persistence_mm: Option<f64>,
     spaced_for_um: f64,
     planned_memory_mib: u64,
     critical_points: CriticalJson,
@@ -307,7 +316,7 @@ fn settle(a: &MillArgs) -> Result<Settings, Failure> {
         }
     }
     if let Some(p) = a.persistence {
-        above_zero("--persistence", p, "mm")?;
+        above_zero("--persistence", p, a.function.function().unit())?;
     }
     if let Some(angle) = a.angle
         && !angle.is_finite()
@@ -359,6 +368,7 @@ fn settle(a: &MillArgs) -> Result<Settings, Failure> {
         scallop: a.tool.scallop,
         strategy: a.strategy.with_angle(a.angle),
         grid_step: a.grid,
+        function: a.function.function(),
         persistence: a.persistence,
         memory_limit_bytes: a.memory.saturating_mul(1 << 20),
         wall_angle: a.wall_angle,
@@ -676,6 +686,7 @@ fn mill_json<'a>(
     planned_bytes: u64,
     seconds: BTreeMap<&'static str, f64>,
 ) -> MillJson<'a> {
+    let function = s.plan.function;
     MillJson {
         part: show::part_json(&a.part, loaded, placement),
         tool: a.tool.tool.to_string(),
@@ -684,7 +695,10 @@ fn mill_json<'a>(
         machine: &s.machine.name,
         post: &s.post.name,
         grid_step_mm: ground.grid.step,
-        persistence_mm: ground.persistence,
+        function: function.name(),
+        unit: function.unit(),
+        persistence: ground.persistence,
+        persistence_mm: (function.unit() == "mm").then_some(ground.persistence),
         spaced_for_um: planned.spaced_for * 1e3,
         planned_memory_mib: planned_bytes >> 20,
         critical_points: show::critical_json(&ground.critical),

@@ -4,6 +4,7 @@
 //! a picture of what was taken before; then the ground remembers how many passes away the new rim is.
 
 use super::region::{Feature, FeatureKind, Regions, Window};
+use super::source::FieldSource;
 use super::whole::Source;
 use crate::field::march::Access;
 use crate::field::{Front, MarchOptions, Metric, Ruler, march};
@@ -182,6 +183,7 @@ impl<'a> Ground<'a> {
             kind,
             seed,
             saddle,
+            source: FieldSource::Seed,
             levels: levels(rim, rim_is_cut),
             field,
             rim,
@@ -245,13 +247,21 @@ impl<'a> Ground<'a> {
     }
 }
 
-/// Levels to cut up to a rim: half a pass from the seed, then evenly; the last on the rim when it is to be cut. No gap is wider than
-/// one pass.
+/// The innermost pass round a seed lies so far from it, in passes: what is inside is cut, and it bends no tighter than it must.
+const INNERMOST: f64 = 0.45;
+
+/// Levels to cut up to a rim, at most one pass apart, rising: from half a pass off the seed; or, when the rim is to be cut, from the rim
+/// downwards, with what is left about the seed in the innermost. (Stretching all gaps evenly to fit would cost half a pass round the whole
+/// of the feature.)
 fn levels(rim: f64, rim_is_cut: bool) -> Vec<f64> {
     if rim_is_cut {
-        let n = (rim - 0.5).ceil().max(0.0);
-        let gap = rim / (n + 0.5);
-        (0..=n as usize).map(|k| (k as f64 + 0.5) * gap).collect()
+        let n = (rim - INNERMOST).floor().max(0.0) as usize;
+        let mut out = Vec::with_capacity(n + 2);
+        if rim - n as f64 > INNERMOST {
+            out.push(INNERMOST);
+        }
+        out.extend((0..=n).rev().map(|k| rim - k as f64));
+        out
     } else {
         let n = (rim + 0.5).ceil() as usize;
         (0..n)
@@ -309,7 +319,7 @@ mod tests {
 
     #[test]
     fn no_gap_is_wider_than_a_pass_and_the_rim_is_cut() {
-        for rim in [0.2, 0.5, 0.51, 1.0, 3.7, 40.0] {
+        for rim in [0.2, 0.5, 0.51, 1.0, 1.4, 3.7, 40.0] {
             let l = levels(rim, true);
             assert!((l[l.len() - 1] - rim).abs() < 1e-12);
             assert!(

@@ -2,6 +2,7 @@
 
 use super::ground::{FAR, Ground};
 use super::region::{Feature, FeatureKind, Window};
+use super::source::FieldSource;
 use crate::reach::NodeKind;
 
 /// Pieces no wider than this many passes from rim to middle are slivers: the passes on their rims, and a fill where a cusp stands
@@ -116,6 +117,7 @@ fn strip(g: &mut Ground, piece: &[u32], width: f64) {
         kind: FeatureKind::Strip,
         seed: None,
         saddle: None,
+        source: FieldSource::Seed,
         free: field.clone(),
         field,
         rim: width,

@@ -7,9 +7,11 @@ pub mod ground;
 pub mod grow;
 pub mod leftover;
 pub mod region;
+pub mod source;
 pub mod whole;
 
 pub use ground::GrowOptions;
 pub use grow::grow;
 pub use region::{Feature, FeatureKind, Regions, Window};
+pub use source::{FieldSource, Metrics, refield};
 pub use whole::{Source, farthest, sources, whole};

@@ -1,5 +1,6 @@
 //! What a feature is: a window of the grid with its own field, the levels to cut in it, and what was taken before it.
 
+use super::source::FieldSource;
 use crate::geom::Point2;
 use crate::reach::ToolCentreGrid;
 
@@ -103,16 +104,26 @@ pub struct Feature {
     pub seed: Option<usize>,
     /// Index of the saddle on its rim.
     pub saddle: Option<usize>,
-    /// Distance from the seed, in passes; the feature is where it is at most `rim`.
+    /// Where its field begins.
+    pub source: FieldSource,
+    /// Distance from where it begins, in passes. From the seed, the feature is where it is at most `rim`.
     pub field: Window,
-    /// Value of the field on the rim.
+    /// Value of the field on the rim; of one that does not begin at the seed, its highest.
     pub rim: f64,
     /// Values of the field to cut, rising; the last is the rim when a saddle set it, so that the neighbours end on a pass.
     pub levels: Vec<f64>,
-    /// Passes away from ground taken by earlier features (negative inside it): where passes are cut off.
+    /// Passes away from ground taken by earlier features (negative inside it), and from the rim where the field does not tell: where
+    /// passes are cut off.
     pub free: Window,
     /// Area of the surface, mm².
     pub area_mm2: f64,
+}
+
+impl Feature {
+    /// Whether its last pass runs on the rim that it shares with its neighbours.
+    pub fn rim_is_cut(&self) -> bool {
+        self.saddle.is_some() && self.source == FieldSource::Seed
+    }
 }
 
 /// All features of a part.

@@ -3,22 +3,23 @@
 
 use super::layout::{Bench, PLAN_SHARES, flat_stepover};
 use super::plan::Strategy;
-use crate::feature::{Regions, Source, sources};
+use crate::feature::source::nodes;
+use crate::feature::{Feature, Regions, Source, sources};
 use crate::field::{Metric, Ruler, level_curves};
-use crate::geom::Vector2;
+use crate::geom::{Point2, Vector2};
 use crate::reach::{NodeKind, ToolCentreGrid};
 use rayon::prelude::*;
 
 /// Nodes of the coarse grid at most.
-const NODES: usize = 300_000;
+const NODES: usize = 80_000;
 /// Angles of a raster that are tried.
 const ANGLES: usize = 24;
 /// What a branch costs: a way back to where the passes parted, s.
 const BRANCH: f64 = 2.0;
 
-/// The source from which the whole part is cut soonest (the first on a tie).
-pub(super) fn best_source(bench: &Bench) -> Source {
-    let grid = coarser(&bench.ground.grid);
+/// The source from which the whole part is cut soonest (the first on a tie), and about how long that takes, s.
+pub(super) fn best_source(bench: &Bench) -> (Source, f64) {
+    let (grid, _) = coarser(&bench.ground.grid);
     let spaced_for = PLAN_SHARES[0] * bench.options.scallop;
     let metric = Metric::new(&grid, Ruler::IsoScallop, spaced_for);
     let all = sources(&grid);
@@ -38,19 +39,22 @@ pub(super) fn best_source(bench: &Bench) -> Source {
     let best = (0..all.len()).reduce(|a, b| if times[b] < times[a] { b } else { a });
     // The same source on the fine grid, by name.
     let fine = sources(&bench.ground.grid);
-    best.and_then(|k| fine.iter().find(|s| s.name == all[k].name))
+    let time = best.map_or(f64::INFINITY, |k| times[k]);
+    let source = best
+        .and_then(|k| fine.iter().find(|s| s.name == all[k].name))
         .or(fine.first())
         .cloned()
         .unwrap_or(Source {
             name: "nowhere".to_string(),
             nodes: Vec::new(),
             front: crate::field::Front::Round,
-        })
+        });
+    (source, time)
 }
 
 /// The angle (degrees, 0 to 180) at which plane sections of the widest allowed step are shortest.
 pub(super) fn best_raster_angle(bench: &Bench) -> f64 {
-    let grid = coarser(&bench.ground.grid);
+    let (grid, _) = coarser(&bench.ground.grid);
     let metric = Metric::new(&grid, Ruler::IsoScallop, bench.options.scallop);
     let angles: Vec<f64> = (0..ANGLES)
         .map(|k| 180.0 * k as f64 / ANGLES as f64)
@@ -131,6 +135,88 @@ fn time(bench: &Bench, grid: &ToolCentreGrid, metric: &Metric, regions: &Regions
     sum
 }
 
+/// About how long the passes of one feature take, trimmed to its ground, s; the turns between them weigh `turns` times what they take.
+pub(super) fn feature_time(
+    turns: f64,
+    bench: &Bench,
+    grid: &ToolCentreGrid,
+    metric: &Metric,
+    f: &Feature,
+) -> f64 {
+    let stepover = flat_stepover(bench.options.scallop, grid.radius);
+    let feed = bench.links.feed;
+    let turn = turns * (1.6 * stepover / feed + 0.5 * feed / bench.links.acceleration);
+    // A way back is about as long as the feature is wide.
+    let branch = (0.5 * f.area_mm2.max(0.0).sqrt() / feed).min(BRANCH);
+    let value = |n: usize| f.field.at(grid, n);
+    let free = |n: usize| {
+        let v = f.free.at(grid, n);
+        if v.is_finite() { v } else { -1.0 }
+    };
+    let mut pieces = vec![0usize; f.levels.len()];
+    let mut sum = 0.0;
+    for c in level_curves(grid, &value, &f.levels) {
+        let at: Vec<(Point2, f64, bool)> =
+            c.at.iter()
+                .map(|e| {
+                    let ground = [e.a, e.b]
+                        .iter()
+                        .any(|n| grid.kind[*n as usize] == NodeKind::Ground);
+                    let z = e.value(|n| grid.center_z[n]);
+                    (e.xy(grid), z, ground && e.value(free) >= 0.0)
+                })
+                .collect();
+        let n = at.len();
+        let whole = c.closed && at.iter().all(|a| a.2);
+        let steps = if c.closed { n } else { n.saturating_sub(1) };
+        let mut length = 0.0;
+        for i in 0..steps {
+            let (p, q) = (&at[i], &at[(i + 1) % n]);
+            if p.2 && q.2 {
+                let rise = q.1 - p.1;
+                let flat = (q.0 - p.0).norm();
+                length += if rise.is_finite() {
+                    flat.hypot(rise)
+                } else {
+                    flat
+                };
+            } else if p.2 != q.2 {
+                length += 0.5 * (q.0 - p.0).norm();
+            }
+        }
+        // A run begins wherever it is entered.
+        let entered = (0..n)
+            .filter(|&i| {
+                at[i].2
+                    && (if i > 0 {
+                        !at[i - 1].2
+                    } else {
+                        !c.closed || !at[n - 1].2
+                    })
+            })
+            .count();
+        sum += length / feed;
+        if whole {
+            // A turn of a spiral.
+            pieces[c.level] += 1;
+        } else {
+            pieces[c.level] += entered;
+            sum += turn * entered as f64;
+        }
+    }
+    let branches: usize = pieces.windows(2).map(|w| w[0].abs_diff(w[1])).sum();
+    sum += branch * branches as f64;
+    let meeting = nodes(grid, f)
+        .filter(|&i| {
+            grid.kind[i] == NodeKind::Ground
+                && free(i) >= 0.0
+                && value(i) <= f.rim
+                && meets(grid, metric, &value, i)
+        })
+        .count();
+    sum + meeting as f64 / 3.0 * grid.step / feed
+}
+
 /// Whether the field rises by much less than its metric says.
 fn meets(grid: &ToolCentreGrid, metric: &Metric, value: &dyn Fn(usize) -> f64, i: usize) -> bool {
     let v = |d| grid.neighbour(i, d).map(value).filter(|v| v.is_finite());
@@ -154,12 +240,12 @@ fn slope(grid: &ToolCentreGrid, i: usize) -> Vector2 {
     }
 }
 
-/// Every k-th node of a grid, so that few enough are left. Border crossings are left out.
-fn coarser(grid: &ToolCentreGrid) -> ToolCentreGrid {
+/// Every k-th node of a grid, so that few enough are left, and k. Border crossings are left out.
+pub(super) fn coarser(grid: &ToolCentreGrid) -> (ToolCentreGrid, usize) {
     let k = ((grid.len() as f64 / NODES as f64).sqrt().ceil() as usize).max(1);
     let (nx, ny) = (grid.nx.div_ceil(k), grid.ny.div_ceil(k));
     let fine = |i: usize| (i / nx) * k * grid.nx + (i % nx) * k;
-    ToolCentreGrid {
+    let coarse = ToolCentreGrid {
         origin: grid.origin,
         step: grid.step * k as f64,
         nx,
@@ -169,5 +255,6 @@ fn coarser(grid: &ToolCentreGrid) -> ToolCentreGrid {
         center_z: (0..nx * ny).map(|i| grid.center_z[fine(i)]).collect(),
         point: (0..nx * ny).map(|i| grid.point[fine(i)]).collect(),
         crossings: Vec::new(),
-    }
+    };
+    (coarse, k)
 }

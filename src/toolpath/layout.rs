@@ -5,7 +5,9 @@
 //! ```
 
 use super::chain::{Chain, ChainOptions, chains};
+use super::choose::{Chosen, apply};
 use super::detail::Detail;
+use super::errand::{ErrandOptions, errands};
 use super::even::{EvenOptions, correction};
 use super::fill::{FillOptions, FillReport, cusps_at_nodes, fill};
 use super::fit::FitOptions;
@@ -36,6 +38,7 @@ impl Layout {
     /// A name for tables.
     pub fn name(&self) -> String {
         match self {
+            Layout::Features(Strategy::Auto) => "each feature its quickest".to_string(),
             Layout::Features(s) => s.name().to_string(),
             Layout::Whole(s) => format!("whole from {}", s.name),
             Layout::Raster(angle) => format!("raster at {angle:.0} deg"),
@@ -75,6 +78,10 @@ pub const FILL_START: f64 = 1.03;
 const CORNER: f64 = 0.6;
 /// Ends of passes further apart than this many stepovers are not joined into a chain.
 const REACH: f64 = 6.0;
+/// Chains shorter than this many stepovers are cut on the way past them.
+const ERRAND: f64 = 12.0;
+/// ... by passes that come by within so many.
+const AWAY: f64 = 8.0;
 /// Cells of the sweep map in a flat stepover: a cusp between two cells is then seen within a few percent.
 pub const CELLS_PER_STEPOVER: f64 = 14.0;
 
@@ -159,18 +166,56 @@ fn raster_source(grid: &ToolCentreGrid, ruler: Ruler) -> Source {
     }
 }
 
-/// Lays a layout at the first of the shares whose fills cost no more than closer passes would.
-pub(super) fn lay(bench: &Bench, layout: &Layout, stage: &mut dyn FnMut(Stage)) -> Plan {
+/// What is known of a plan before it is laid.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Known {
+    /// Index into [`PLAN_SHARES`] of the share to begin with.
+    pub share: usize,
+    /// What is slower than this by more than [`HOPELESS`] is not tried again with other shares, s.
+    pub to_beat: Option<f64>,
+}
+
+/// A plan that is slower than another by more than this share of its time will not win with another share of the cusp.
+pub const HOPELESS: f64 = 0.10;
+
+/// Lays a layout, beginning at a known share, at the first of the shares whose fills cost no more than closer passes would. `fields` tells
+/// how features are cut.
+pub(super) fn lay(
+    bench: &Bench,
+    layout: &Layout,
+    fields: &[Chosen],
+    known: &Known,
+    stage: &mut dyn FnMut(Stage),
+) -> Plan {
     if !bench.small() {
-        return lay_at(bench, layout, ONE_SHARE, stage);
+        return lay_at(bench, layout, fields, ONE_SHARE, stage);
     }
-    let mut best = lay_at(bench, layout, PLAN_SHARES[0], stage);
-    for &share in &PLAN_SHARES[1..] {
-        let passes: f64 = best.passes.iter().map(Pass::length).sum();
-        if matches!(layout, Layout::Raster(_)) || best.fill.length_mm <= FILL_SHARE * passes {
+    let first = known.share.min(PLAN_SHARES.len() - 1);
+    let mut best = lay_at(bench, layout, fields, PLAN_SHARES[first], stage);
+    if matches!(layout, Layout::Raster(_)) {
+        return best;
+    }
+    let clean =
+        |p: &Plan| p.fill.length_mm <= FILL_SHARE * p.passes.iter().map(Pass::length).sum::<f64>();
+    if clean(&best) {
+        // Passes further apart may do as well.
+        for &share in PLAN_SHARES[..first].iter().rev() {
+            let next = lay_at(bench, layout, fields, share, stage);
+            if next.figures.time_s >= best.figures.time_s {
+                break;
+            }
+            best = next;
+        }
+        return best;
+    }
+    for &share in &PLAN_SHARES[first + 1..] {
+        let hopeless = known
+            .to_beat
+            .is_some_and(|t| best.figures.time_s > (1.0 + HOPELESS) * t);
+        if hopeless || clean(&best) {
             break;
         }
-        let next = lay_at(bench, layout, share, stage);
+        let next = lay_at(bench, layout, fields, share, stage);
         if next.figures.time_s >= best.figures.time_s {
             break;
         }
@@ -179,7 +224,13 @@ pub(super) fn lay(bench: &Bench, layout: &Layout, stage: &mut dyn FnMut(Stage)) 
     best
 }
 
-fn lay_at(bench: &Bench, layout: &Layout, share: f64, stage: &mut dyn FnMut(Stage)) -> Plan {
+fn lay_at(
+    bench: &Bench,
+    layout: &Layout,
+    fields: &[Chosen],
+    share: f64,
+    stage: &mut dyn FnMut(Stage),
+) -> Plan {
     let Bench {
         ground,
         detail,
@@ -201,6 +252,7 @@ fn lay_at(bench: &Bench, layout: &Layout, share: f64, stage: &mut dyn FnMut(Stag
     let fitting = FitOptions::for_scallop(options.scallop, cutter.radius());
     let mut metric = Metric::new(grid, Ruler::IsoScallop, spaced_for);
     let mut regions = regions_of(ground, layout, spaced_for, &metric);
+    apply(grid, &metric, spaced_for, fields, &mut regions);
     stage(Stage::Passes);
     let stepover = flat_stepover(options.scallop, cutter.radius());
     let shape = PassOptions {
@@ -235,8 +287,11 @@ fn lay_at(bench: &Bench, layout: &Layout, share: f64, stage: &mut dyn FnMut(Stag
             t.iter_mut().for_each(|v| *v *= f64::from(*f));
         }
         regions = regions_of(ground, layout, spaced_for, &metric);
+        apply(grid, &metric, spaced_for, fields, &mut regions);
     }
     let mut laid = passes(grid, cutter, &regions, &shape, &detail.steep, &fitting);
+    // What is shorter than its distance to the next is no pass: the fill finds what it would be missed for.
+    laid.retain(|p| p.kind != PassKind::Level || p.closed || p.length() >= stepover);
     let (down, too_deep) = detail.walls(ground, &regions, &fitting);
     laid.extend(down);
     let pencils = detail.pencils(ground, &regions, &laid, options.scallop, &fitting);
@@ -263,6 +318,11 @@ fn lay_at(bench: &Bench, layout: &Layout, share: f64, stage: &mut dyn FnMut(Stag
     };
     stage(Stage::Link);
     joined.extend(chains(cutter, all.split_off(before), &how, links, &fitting));
+    let how = ErrandOptions {
+        longest: ERRAND * stepover,
+        reach: AWAY * stepover,
+    };
+    let joined = errands(cutter, joined, &how, links, &fitting);
     let ordered = order(joined, home(cutter));
     let (toolpath, section_features) =
         link(cutter, bench.air(), &ordered, &regions, links, &fitting);
@@ -307,7 +367,7 @@ pub(super) fn rasters(
                 links: &steady,
                 ..*bench
             };
-            own = lay(&open, layout, stage);
+            own = lay(&open, layout, &[], &Known::default(), stage);
             out.extend(own.candidates.iter().cloned());
             &own
         }

@@ -1,11 +1,12 @@
-//! The order of chains: feature by feature, always on to what can be entered soonest, then improved by turning parts of the tour round.
+//! The order of chains: feature by feature, always on to what can be entered soonest; then the whole tour is improved by turning parts of
+//! it round and by moving short stretches elsewhere, across features where that is shorter.
 
 use super::chain::Chain;
 use super::pass::Pass;
 use crate::geom::Point;
 
-/// Puts chains in an order that keeps moves between them short: a feature is finished before the next is begun. Chains are turned
-/// round, and single loops rotated, to begin where they are entered. O(n^2) in the chains of a feature.
+/// Puts chains in an order that keeps moves between them short. Chains are turned round, and single loops rotated, to begin where they
+/// are entered. O(n^2) in the chains of a feature, and a round of improvement O(n^2) in all of them.
 pub fn order(chains: Vec<Chain>, start: Point) -> Vec<Chain> {
     let mut groups: Vec<(Option<usize>, Vec<Chain>)> = Vec::new();
     for c in chains {
@@ -33,13 +34,13 @@ pub fn order(chains: Vec<Chain>, start: Point) -> Vec<Chain> {
             })
             .reduce(|a, b| if b.0 < a.0 { b } else { a });
         let Some((_, k)) = nearest else { break };
-        let tour = shorter(greedy(groups.remove(k).1, at), &at);
+        let tour = greedy(groups.remove(k).1, at);
         if let Some(end) = tour.last().and_then(end_of) {
             at = end;
         }
         out.extend(tour);
     }
-    out
+    shorter(out, &start)
 }
 
 /// Always the nearest next (ties by place in the list).
@@ -70,10 +71,15 @@ fn greedy(mut left: Vec<Chain>, start: Point) -> Vec<Chain> {
 /// Tours longer than this are left as the nearest-neighbour rule made them.
 const IMPROVED: usize = 1500;
 
-/// 2-opt: a stretch of the tour is gone the other way round where that shortens it, until nothing does.
+/// Rounds of improvement at most.
+const ROUNDS: usize = 30;
+/// Stretches of so many chains are moved elsewhere.
+const MOVED: usize = 3;
+
+/// 2-opt and Or-opt: a stretch of the tour is gone the other way round, or moved elsewhere, where that shortens it, until nothing does.
 fn shorter(tour: Vec<Chain>, start: &Point) -> Vec<Chain> {
     let n = tour.len();
-    if !(3..=IMPROVED).contains(&n) {
+    if !(2..=IMPROVED).contains(&n) {
         return tour;
     }
     let ends: Vec<[Point; 2]> = tour
@@ -87,27 +93,55 @@ fn shorter(tour: Vec<Chain>, start: &Point) -> Vec<Chain> {
     let mut at: Vec<(usize, bool)> = (0..n).map(|i| (i, false)).collect();
     let entry = |p: (usize, bool)| ends[p.0][usize::from(p.1)];
     let exit = |p: (usize, bool)| ends[p.0][usize::from(!p.1)];
-    for _ in 0..20 {
+    for _ in 0..ROUNDS {
         let mut better = false;
         for i in 0..n {
             let before = if i == 0 { *start } else { exit(at[i - 1]) };
             for j in i..n {
                 // Reverse at[i..=j].
+                let behind = (j + 1 < n).then(|| entry(at[j + 1]));
                 let old = (entry(at[i]) - before).norm()
-                    + if j + 1 < n {
-                        (entry(at[j + 1]) - exit(at[j])).norm()
-                    } else {
-                        0.0
-                    };
+                    + behind.map_or(0.0, |b| (b - exit(at[j])).norm());
                 let new = (exit(at[j]) - before).norm()
-                    + if j + 1 < n {
-                        (entry(at[j + 1]) - entry(at[i])).norm()
-                    } else {
-                        0.0
-                    };
+                    + behind.map_or(0.0, |b| (b - entry(at[i])).norm());
                 if new < old - 1e-9 {
                     at[i..=j].reverse();
                     at[i..=j].iter_mut().for_each(|p| p.1 = !p.1);
+                    better = true;
+                }
+            }
+        }
+        for i in 0..n {
+            for length in 1..=MOVED.min(n - i) {
+                let j = i + length;
+                let before = if i == 0 { *start } else { exit(at[i - 1]) };
+                let behind = (j < n).then(|| entry(at[j]));
+                let (first, last) = (entry(at[i]), exit(at[j - 1]));
+                let saved = (first - before).norm()
+                    + behind.map_or(0.0, |b| (b - last).norm() - (b - before).norm());
+                // Between at[k - 1] and at[k], outside the stretch.
+                let best = (0..=n)
+                    .filter(|k| *k < i || *k > j)
+                    .flat_map(|k| {
+                        let a = if k == 0 { *start } else { exit(at[k - 1]) };
+                        let b = (k < n).then(|| entry(at[k]));
+                        [(first, last), (last, first)].map(|(x, y)| {
+                            let cost =
+                                (x - a).norm() + b.map_or(0.0, |b| (b - y).norm() - (b - a).norm());
+                            (cost, k, x != first)
+                        })
+                    })
+                    .reduce(|a, b| if b.0 < a.0 { b } else { a });
+                if let Some((cost, k, turned)) = best
+                    && cost < saved - 1e-9
+                {
+                    let mut stretch: Vec<(usize, bool)> = at.drain(i..j).collect();
+                    if turned {
+                        stretch.reverse();
+                        stretch.iter_mut().for_each(|p| p.1 = !p.1);
+                    }
+                    let k = if k > j { k - length } else { k };
+                    at.splice(k..k, stretch);
                     better = true;
                 }
             }

@@ -3,6 +3,7 @@
 use super::border::border;
 use super::corner::round_corners;
 use super::fit::{FitOptions, fit, resample, smooth};
+use super::spiral::{Leveled, SpiralOptions, spirals};
 use super::wall::Steep;
 use crate::feature::{Feature, Regions};
 use crate::field::level_curves;
@@ -107,22 +108,53 @@ pub fn passes(
 ) -> Vec<Pass> {
     let mut out: Vec<Pass> = Vec::new();
     for (index, feature) in regions.features.iter().enumerate() {
-        let curves = trimmed_levels(grid, feature, steep);
-        let fitted: Vec<Vec<Pass>> = curves
+        let cut: Vec<&Feature> = regions.features[..index]
+            .iter()
+            .filter(|f| f.rim_is_cut())
+            .collect();
+        let curves = trimmed_levels(grid, feature, &cut, steep, how.stepover);
+        let shaped: Vec<Vec<Leveled>> = curves
             .par_iter()
-            .map(|(curve, closed)| {
+            .map(|c| {
                 // Grid noise is shorter than two steps: even it out before it becomes jerk.
-                let mut even = resample(curve, *closed, 0.7 * grid.step);
-                smooth(&mut even, *closed, 2);
-                round_corners(&mut even, *closed, how.corner, CORNER_ROUNDS);
-                on_ground(grid, cutter, &even, *closed, how.stepover)
+                let mut even = resample(&c.points, c.closed, 0.7 * grid.step);
+                smooth(&mut even, c.closed, 2);
+                let corner = if c.closed {
+                    // A loop cannot be rounder than a circle: asked to be, it would shrink to a point.
+                    how.corner
+                        .min(ROUNDEST * around(&even) / std::f64::consts::TAU)
+                } else {
+                    how.corner
+                };
+                round_corners(&mut even, c.closed, corner, CORNER_ROUNDS);
+                on_ground(grid, cutter, &even, c.closed, how.stepover)
                     .into_iter()
-                    .flat_map(|(piece, closed)| match how.detail {
-                        Fitted::Proven => laid(cutter, &piece, closed, fitting),
-                        Fitted::Draft => {
-                            vec![(dropped(cutter, &piece, 0.3 * fitting.gouge), closed)]
-                        }
+                    .map(|(points, closed)| Leveled {
+                        level: c.level,
+                        points,
+                        closed,
                     })
+                    .collect()
+            })
+            .collect();
+        let wound = spirals(
+            shaped.into_iter().flatten().collect(),
+            &SpiralOptions {
+                stepover: how.stepover,
+                gap: 0.7 * grid.step,
+            },
+        );
+        let fitted: Vec<Vec<Pass>> = wound
+            .par_iter()
+            .map(|c| {
+                let fitted = match how.detail {
+                    Fitted::Proven => laid(cutter, &c.points, c.closed, fitting),
+                    Fitted::Draft => {
+                        vec![(dropped(cutter, &c.points, 0.3 * fitting.gouge), c.closed)]
+                    }
+                };
+                fitted
+                    .into_iter()
                     // What touches the ground in one place is no pass, but a plunge for nothing.
                     .filter(|(points, _)| points.len() > 1)
                     .map(|(points, closed)| Pass {
@@ -138,6 +170,15 @@ pub fn passes(
     }
     out.extend(border(grid, cutter, regions, fitting));
     out
+}
+
+/// Corners of a loop are rounded to at most this share of the radius of a circle as long as it.
+const ROUNDEST: f64 = 0.6;
+
+/// Length of a loop, mm.
+fn around(l: &[Point2]) -> f64 {
+    let n = l.len();
+    (0..n).map(|i| (l[(i + 1) % n] - l[i]).norm()).sum()
 }
 
 /// The ball at the points of a curve in plan where it rests, but for those that lie within `slack` of a straight line between others.
@@ -191,66 +232,146 @@ pub fn laid(
     runs.into_iter().map(|r| (r, false)).collect()
 }
 
-/// Level curves of a feature in plan, cut off where the ground was taken before, and where they run along a wall.
+/// Level curves of a feature in plan, cut off where the ground was taken before, and where they run along a wall. `cut` are the earlier
+/// features whose last pass runs on their rim.
 fn trimmed_levels(
     grid: &ToolCentreGrid,
     feature: &Feature,
+    cut: &[&Feature],
     steep: &Steep,
-) -> Vec<(Vec<Point2>, bool)> {
+    stepover: f64,
+) -> Vec<Leveled> {
     let value = |n: usize| feature.field.at(grid, n);
+    let past_rims = |n: usize| {
+        cut.iter()
+            .map(|f| f.field.at(grid, n) - f.rim)
+            .filter(|v| v.is_finite())
+            .fold(FAR, f64::min)
+    };
     let mut out = Vec::new();
     for curve in level_curves(grid, &value, &feature.levels) {
         let walls = steep.along(grid, &curve);
-        let at: Vec<(Point2, f64)> = curve
+        let at: Vec<Trimmed> = curve
             .at
             .iter()
             .zip(walls)
             .map(|(e, wall)| {
-                if wall {
-                    return (e.xy(grid), -1.0);
-                }
                 let free = e.value(|n| {
                     let f = feature.free.at(grid, n);
                     if f.is_finite() { f } else { -1.0 }
                 });
-                (e.xy(grid), free + OVERLAP)
+                Trimmed {
+                    at: e.xy(grid),
+                    keep: if wall { -1.0 } else { free + OVERLAP },
+                    rim: e.value(past_rims),
+                }
             })
             .collect();
-        out.extend(kept(&at, curve.closed));
+        for (mut run, closed) in kept(&at, curve.closed) {
+            if !closed {
+                shorten(&mut run, stepover);
+                run.reverse();
+                shorten(&mut run, stepover);
+                run.reverse();
+            }
+            if run.len() > 1 {
+                out.push(Leveled {
+                    level: curve.level,
+                    points: run.into_iter().map(|t| t.at).collect(),
+                    closed,
+                });
+            }
+        }
     }
     out
 }
 
-/// The runs of a curve along which a scalar is not negative, cut where it changes sign.
-fn kept(at: &[(Point2, f64)], closed: bool) -> Vec<(Vec<Point2>, bool)> {
-    if at.iter().all(|a| a.1 >= 0.0) {
-        return vec![(at.iter().map(|a| a.0).collect(), closed)];
+/// "No rim near", in passes.
+const FAR: f64 = 16.0;
+
+/// A place on a level curve that is being trimmed.
+#[derive(Clone, Copy, Debug)]
+struct Trimmed {
+    at: Point2,
+    /// Not negative where it is kept.
+    keep: f64,
+    /// Passes to the nearest rim that is cut.
+    rim: f64,
+}
+
+/// Takes from the start of a run what the pass on a rim cuts anyway. Passes that meet the rim squarely may end half a pass from it (and
+/// their U-turns then lie beside the rim instead of on it); one that meets it at a slant must go further, so that the ground between
+/// its neighbour and the rim is nowhere wider than a pass.
+fn shorten(run: &mut Vec<Trimmed>, stepover: f64) {
+    let Some(first) = run.first().copied().filter(|t| t.rim < 0.5) else {
+        return;
+    };
+    let mut length = 0.0;
+    let mut rise = 0.0;
+    for w in run.windows(2) {
+        length += (w[1].at - w[0].at).norm();
+        rise = w[1].rim - first.rim;
+        if rise >= 0.6 || length > 2.0 * stepover {
+            break;
+        }
+    }
+    if length <= 0.0 {
+        return;
+    }
+    let sin = (rise * stepover / length).clamp(0.0, 1.0);
+    let end = (1.0 - (1.0 - sin * sin).sqrt()).min(0.5) - OVERLAP;
+    if end <= first.rim {
+        return;
+    }
+    match run.iter().position(|t| t.rim >= end) {
+        Some(k) if k > 0 => {
+            let (a, b) = (run[k - 1], run[k]);
+            let t = (end - a.rim) / (b.rim - a.rim);
+            run[k - 1].at = a.at + (b.at - a.at) * t;
+            run[k - 1].rim = end;
+            run.drain(..k - 1);
+        }
+        Some(_) => {}
+        // All of it lies beside the rim.
+        None => run.clear(),
+    }
+}
+
+/// The runs of a curve along which it is kept, cut where that changes.
+fn kept(at: &[Trimmed], closed: bool) -> Vec<(Vec<Trimmed>, bool)> {
+    if at.iter().all(|a| a.keep >= 0.0) {
+        return vec![(at.to_vec(), closed)];
     }
     let n = at.len();
     // A closed curve is walked from a place that is cut away, so that no run is split at its seam.
     let start = if closed {
-        at.iter().position(|a| a.1 < 0.0).unwrap_or(0)
+        at.iter().position(|a| a.keep < 0.0).unwrap_or(0)
     } else {
         0
     };
     let steps = if closed { n + 1 } else { n };
     let mut out = Vec::new();
-    let mut run: Vec<Point2> = Vec::new();
-    let mut last: Option<(Point2, f64)> = None;
+    let mut run: Vec<Trimmed> = Vec::new();
+    let mut last: Option<Trimmed> = None;
     for k in 0..steps {
-        let (p, f) = at[(start + k) % n];
-        if let Some((q, g)) = last
-            && (f >= 0.0) != (g >= 0.0)
+        let p = at[(start + k) % n];
+        if let Some(q) = last
+            && (p.keep >= 0.0) != (q.keep >= 0.0)
         {
-            run.push(q + (p - q) * (g / (g - f)));
-            if f < 0.0 {
+            let t = q.keep / (q.keep - p.keep);
+            run.push(Trimmed {
+                at: q.at + (p.at - q.at) * t,
+                keep: 0.0,
+                rim: q.rim + (p.rim - q.rim) * t,
+            });
+            if p.keep < 0.0 {
                 out.push((std::mem::take(&mut run), false));
             }
         }
-        if f >= 0.0 {
+        if p.keep >= 0.0 {
             run.push(p);
         }
-        last = Some((p, f));
+        last = Some(p);
     }
     if !run.is_empty() {
         out.push((run, false));

@@ -1,10 +1,13 @@
 //! The whole shape half in one call: a placed part in, a proven toolpath out, with everything seen on the way.
 
+use super::choose::choose;
 use super::detail::Detail;
 use super::estimate::{best_raster_angle, best_source};
 use super::fill::{FillReport, far};
 use super::fit::FitOptions;
-use super::layout::{Bench, Layout, flat_stepover, lay, regions_of, sweep_step};
+use super::layout::{
+    Bench, Known, Layout, PLAN_SHARES, flat_stepover, lay, regions_of, sweep_step,
+};
 use super::link::LinkOptions;
 use super::moves::{MoveKind, Toolpath};
 use super::pass::Pass;
@@ -13,7 +16,10 @@ use super::wall::TooDeep;
 use crate::feature::Regions;
 use crate::field::{Metric, Ruler};
 use crate::geom::Vector2;
-use crate::morse::{CriticalPoint, HeightField, MorseOptions, critical_points};
+use crate::morse::{
+    AverageOptions, CriticalPoint, FieldOptions, GridField, MorseFunction, MorseOptions,
+    critical_points,
+};
 use crate::part::Mesh;
 use crate::reach::{DropCutter, GridError, GridOptions, GridPlan, ToolCentreGrid};
 use crate::sweep::{ReachTiles, reachable_bytes};
@@ -74,7 +80,10 @@ pub struct PlanOptions {
     pub strategy: Strategy,
     /// Step of the tool-centre grid, mm; `None` = a fifth of the flat stepover.
     pub grid_step: Option<f64>,
-    /// Critical points that differ less than this are noise, mm; `None` = [`default_persistence`].
+    /// Whose critical points features grow from.
+    pub function: MorseFunction,
+    /// Critical points that differ less than this are noise, in the function's own unit; `None` = [`default_persistence`] for heights,
+    /// [`GridField::noise`] for others.
     pub persistence: Option<f64>,
     /// Most memory that grids may take.
     pub memory_limit_bytes: u64,
@@ -118,7 +127,7 @@ pub struct Ground {
     pub grid: ToolCentreGrid,
     /// Critical points of it.
     pub critical: Vec<CriticalPoint>,
-    /// Persistence below which they were cancelled, mm.
+    /// Persistence below which they were cancelled, in the function's own unit.
     pub persistence: f64,
 }
 
@@ -218,6 +227,11 @@ pub fn default_persistence(scallop: f64, grid_step: f64, radius: f64, roughness:
         .max(30.0 * roughness)
 }
 
+/// Curvature is averaged over this radius in plan, mm: what is smaller than a stepover no pass could follow.
+pub fn curvature_radius(scallop: f64, radius: f64) -> f64 {
+    1.5 * flat_stepover(scallop, radius)
+}
+
 /// Step of the tool-centre grid these options lead to, mm.
 pub fn grid_step(options: &PlanOptions, radius: f64) -> f64 {
     options
@@ -263,10 +277,22 @@ pub fn survey(
     announce(&plan, bytes);
     let grid = ToolCentreGrid::new(&cutter, &plan)?;
     stage(Stage::Morse);
-    let field = HeightField::new(&grid);
-    let persistence = options.persistence.unwrap_or_else(|| {
-        default_persistence(options.scallop, step, cutter.radius(), field.roughness)
-    });
+    let field = GridField::of(
+        &grid,
+        options.function,
+        &FieldOptions {
+            radius: curvature_radius(options.scallop, cutter.radius()),
+            average: AverageOptions::default(),
+        },
+    );
+    let persistence = options
+        .persistence
+        .unwrap_or_else(|| match options.function {
+            MorseFunction::Height | MorseFunction::Projection => {
+                default_persistence(options.scallop, step, cutter.radius(), field.roughness)
+            }
+            _ => field.noise(),
+        });
     let how = MorseOptions {
         persistence_mm: persistence,
     };
@@ -287,6 +313,18 @@ pub fn features(ground: &Ground, strategy: Strategy, spaced_for: f64) -> Regions
 
 /// Turns are told within so many stepovers of a saddle.
 const NEAR_SADDLE: f64 = 3.0;
+
+/// What the estimate says takes this much longer than the whole part as one feature is not laid.
+const NOT_LAID: f64 = 1.15;
+/// Features have corners that the whole part has not, so they begin with the second of the shares.
+const FEATURES_FROM: usize = 1;
+
+/// The share of the cusp that a plan was laid for, as an index into [`PLAN_SHARES`].
+fn share_of(plan: &Plan, scallop: f64) -> usize {
+    (0..PLAN_SHARES.len())
+        .find(|&k| plan.spaced_for >= (PLAN_SHARES[k] - 1e-6) * scallop)
+        .unwrap_or(PLAN_SHARES.len() - 1)
+}
 
 /// Plans the toolpath of a surveyed part (`part` is the mesh its cutter was made from). Also hands back the reachable surface it was
 /// judged against, in tiles.
@@ -317,16 +355,47 @@ pub fn plan<'g>(
     };
     stage(Stage::Choose);
     let small = bench.small();
-    let whole = || Layout::Whole(best_source(&bench));
     let raster =
         |angle: Option<f64>| Layout::Raster(angle.unwrap_or_else(|| best_raster_angle(&bench)));
-    let layouts: Vec<Layout> = match options.strategy {
-        Strategy::Auto if small => vec![whole(), Layout::Features(Strategy::IsoScallop)],
-        Strategy::Auto | Strategy::Whole => vec![whole()],
-        Strategy::Raster(angle) => vec![raster(angle)],
-        other => vec![Layout::Features(other)],
-    };
-    let mut plans: Vec<Plan> = layouts.iter().map(|l| lay(&bench, l, stage)).collect();
+    let mut plans: Vec<Plan> = Vec::new();
+    match options.strategy {
+        Strategy::Auto | Strategy::Whole => {
+            let (source, whole_time) = best_source(&bench);
+            let whole = Layout::Whole(source);
+            plans.push(lay(&bench, &whole, &[], &Known::default(), stage));
+            if options.strategy == Strategy::Auto && small {
+                stage(Stage::Choose);
+                let choice = choose(&bench, Strategy::Auto);
+                if choice.time < NOT_LAID * whole_time {
+                    let to_beat = plans.first().map(|p| p.figures.time_s);
+                    let known = Known {
+                        share: FEATURES_FROM
+                            .max(plans.first().map_or(0, |p| share_of(p, options.scallop))),
+                        to_beat,
+                    };
+                    let layout = Layout::Features(choice.strategy());
+                    plans.push(lay(&bench, &layout, &choice.fields, &known, stage));
+                }
+            }
+        }
+        Strategy::Raster(angle) => {
+            plans.push(lay(&bench, &raster(angle), &[], &Known::default(), stage));
+        }
+        other => {
+            let choice = choose(&bench, other);
+            let known = Known {
+                share: FEATURES_FROM,
+                to_beat: None,
+            };
+            plans.push(lay(
+                &bench,
+                &Layout::Features(other),
+                &choice.fields,
+                &known,
+                stage,
+            ));
+        }
+    }
     let mut candidates: Vec<Candidate> = plans.iter().flat_map(|p| p.candidates.clone()).collect();
     // Ties go to the first.
     let best = (0..plans.len())

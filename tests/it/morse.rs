@@ -136,6 +136,7 @@ fn each_extreme_dies_at_a_saddle_of_its_own_as_high_as_its_persistence() {
 
 pub fn options(scallop: f64) -> PlanOptions {
     PlanOptions {
+        function: morsemill::morse::MorseFunction::Height,
         scallop,
         strategy: Strategy::IsoScallop,
         grid_step: None,

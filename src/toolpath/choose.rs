@@ -1,0 +1,335 @@
+//! How each feature is cut: from its seed, a rim, a side, or in plane sections, whichever takes least time at equal cusps.
+//!
+//! Decided once for a layout, on a coarse copy of its features, and applied to the features as they grow again with every share of the
+//! cusp and every correction of the metric: a choice is known by the critical point its feature grew from.
+
+use super::estimate::{coarser, feature_time};
+use super::layout::{Bench, Layout, PLAN_SHARES, regions_of};
+use super::plan::Strategy;
+use crate::feature::source::{nodes, shared, widest_step};
+use crate::feature::{
+    Feature, FeatureKind, FieldSource, Metrics, Regions, Window, refield, sources,
+};
+use crate::field::{Metric, Ruler};
+use crate::geom::{Point2, Vector2};
+use crate::reach::{NodeKind, ToolCentreGrid};
+use rayon::prelude::*;
+
+/// A feature and how it is cut.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Chosen {
+    /// The critical point it grew from.
+    seed: Option<usize>,
+    /// A place in it, for one that grew from none.
+    place: Point2,
+    source: FieldSource,
+}
+
+/// Share of the ground that may get a cusp over the wanted one from plane sections, before filling.
+const OVER_SHARE: f64 = 0.005;
+/// Directions of plane sections that are tried.
+const ANGLES: usize = 12;
+/// ... of which so many, the shortest, are looked at closely.
+const CLOSELY: usize = 2;
+/// Turns weigh so many times what they take: they are what shakes the tool up and down, and where chains break.
+const TURNS: f64 = 2.0;
+/// Rims beside a feature that are tried, the longest first.
+const RIMS: usize = 3;
+/// A rim shorter than this share of the feature's width is none to begin at.
+const RIM_SHARE: f64 = 0.5;
+/// Another field must win by this share of the time: the estimate is no better ...
+const WINS_BY: f64 = 0.02;
+/// ... and by this where it takes the place of loops about a peak or a pit, which keep the tool level.
+const LOOPS_WORTH: f64 = 0.05;
+/// A rim that is not cut costs its neighbours a fill along this share of it.
+const RIM_UNCUT: f64 = 0.5;
+
+/// How the features of a layout are cut.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Choice {
+    /// Only what differs from the seed's own field.
+    pub fields: Vec<Chosen>,
+    /// About how long all features take, s.
+    pub time: f64,
+}
+
+impl Choice {
+    /// The one strategy that all of it is, or [`Strategy::Auto`] for a mixture.
+    pub fn strategy(&self) -> Strategy {
+        let other = |c: &Chosen| matches!(c.source, FieldSource::Planes(_) | FieldSource::PickFeed);
+        if self.fields.iter().any(other) {
+            Strategy::Auto
+        } else {
+            Strategy::IsoScallop
+        }
+    }
+}
+
+/// Chooses how each feature of a layout is cut.
+pub(super) fn choose(bench: &Bench, strategy: Strategy) -> Choice {
+    let mixed = matches!(strategy, Strategy::Auto);
+    if !mixed && strategy != Strategy::IsoScallop {
+        return Choice::default();
+    }
+    let fine = &bench.ground.grid;
+    let spaced_for = PLAN_SHARES[0] * bench.options.scallop;
+    let regions = {
+        let cusp = Metric::new(fine, Ruler::IsoScallop, spaced_for);
+        regions_of(bench.ground, &Layout::Features(strategy), spaced_for, &cusp)
+    };
+    let (grid, every) = coarser(fine);
+    let regions = thinned(fine, &grid, every, &regions);
+    let cusp = Metric::new(&grid, Ruler::IsoScallop, spaced_for);
+    let pick_feed = mixed.then(|| Metric::new(&grid, Ruler::IsoPickFeed, spaced_for));
+    let metrics = Metrics {
+        cusp: &cusp,
+        pick_feed: pick_feed.as_ref(),
+        over_share: OVER_SHARE,
+    };
+    let mut cut_rims: Vec<bool> = Vec::new();
+    let mut out = Vec::new();
+    let mut time = 0.0;
+    for (k, f) in regions.features.iter().enumerate() {
+        let best = best(bench, &grid, &metrics, &regions, k, &cut_rims, mixed);
+        cut_rims.push(f.saddle.is_some() && best.is_none());
+        let refielded = best.as_ref().and_then(|s| {
+            let cut = match s {
+                FieldSource::Rim(seed) => regions.features[..k]
+                    .iter()
+                    .position(|f| f.seed == Some(*seed))
+                    .is_some_and(|j| cut_rims[j]),
+                _ => false,
+            };
+            refield(&grid, &metrics, &regions, k, s, cut)
+        });
+        time += feature_time(1.0, bench, &grid, &cusp, refielded.as_ref().unwrap_or(f));
+        if let Some(source) = best {
+            out.push(Chosen {
+                seed: f.seed,
+                place: middle(&grid, &regions, k),
+                source,
+            });
+        }
+    }
+    Choice { fields: out, time }
+}
+
+/// The quickest field of a feature, if it is not the seed's own.
+fn best(
+    bench: &Bench,
+    grid: &ToolCentreGrid,
+    metrics: &Metrics,
+    regions: &Regions,
+    index: usize,
+    cut_rims: &[bool],
+    mixed: bool,
+) -> Option<FieldSource> {
+    let f = &regions.features[index];
+    // Strips run along their rims already.
+    if f.kind == FeatureKind::Strip || f.levels.len() < 3 {
+        return None;
+    }
+    let beside = shared(grid, regions, index);
+    let mut rims: Vec<(f64, usize)> = (0..index)
+        .filter(|&j| regions.features[j].saddle.is_some())
+        .filter(|&j| beside[j] > RIM_SHARE * f.area_mm2.max(0.0).sqrt())
+        .filter_map(|j| Some((beside[j], regions.features[j].seed?)))
+        .collect();
+    rims.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+    let mut tried: Vec<FieldSource> = rims
+        .iter()
+        .take(RIMS)
+        .map(|r| FieldSource::Rim(r.1))
+        .collect();
+    let mut alone = grid.clone();
+    for (n, kind) in alone.kind.iter_mut().enumerate() {
+        if regions.label[n] as usize != index + 1 {
+            *kind = NodeKind::Air;
+        }
+    }
+    tried.extend(
+        sources(&alone)
+            .into_iter()
+            .map(|s| FieldSource::Side(s.name)),
+    );
+    if mixed {
+        tried.push(FieldSource::PickFeed);
+        tried.extend(
+            angles(bench, grid, metrics, regions, index)
+                .into_iter()
+                .map(FieldSource::Planes),
+        );
+    }
+    let own = feature_time(TURNS, bench, grid, metrics.cusp, f);
+    let uncut: f64 = if f.saddle.is_some() {
+        let later: f64 = beside[index..].iter().sum();
+        RIM_UNCUT * later / bench.links.feed
+    } else {
+        0.0
+    };
+    let times: Vec<Option<f64>> = tried
+        .par_iter()
+        .map(|source| {
+            let rim_is_cut = match source {
+                FieldSource::Rim(seed) => (0..index)
+                    .find(|&j| regions.features[j].seed == Some(*seed))
+                    .is_some_and(|j| cut_rims[j]),
+                _ => false,
+            };
+            let g = refield(grid, metrics, regions, index, source, rim_is_cut)?;
+            Some(uncut + feature_time(TURNS, bench, grid, metrics.cusp, &g))
+        })
+        .collect();
+    let quickest = (0..tried.len())
+        .filter_map(|i| times[i].map(|t| (t, i)))
+        .reduce(|a, b| if b.0 < a.0 { b } else { a })?;
+    let by = if matches!(f.kind, FeatureKind::Peak | FeatureKind::Pit) {
+        LOOPS_WORTH
+    } else {
+        WINS_BY
+    };
+    (quickest.0 < (1.0 - by) * own).then(|| tried[quickest.1].clone())
+}
+
+/// Directions (degrees) in which plane sections of a feature are shortest, the best first.
+fn angles(
+    bench: &Bench,
+    grid: &ToolCentreGrid,
+    metrics: &Metrics,
+    regions: &Regions,
+    index: usize,
+) -> Vec<f64> {
+    let f = &regions.features[index];
+    let mine: Vec<usize> = nodes(grid, f)
+        .filter(|&n| grid.kind[n] == NodeKind::Ground && regions.label[n] as usize == index + 1)
+        .collect();
+    let turn = bench.links.feed / bench.links.acceleration + 2.0 * grid.step / bench.links.feed;
+    let mut all: Vec<(f64, f64)> = (0..ANGLES)
+        .filter_map(|k| {
+            let angle = 180.0 * k as f64 / ANGLES as f64;
+            let (s, c) = angle.to_radians().sin_cos();
+            let across = Vector2::new(-s, c);
+            let step = widest_step(metrics.cusp, mine.iter().copied(), &across, OVER_SHARE)?;
+            let (lo, hi) = mine
+                .iter()
+                .map(|&n| grid.xy(n).coords.dot(&across))
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |r, v| {
+                    (r.0.min(v), r.1.max(v))
+                });
+            let time = f.area_mm2 / (step * bench.links.feed) + (hi - lo) / step * turn;
+            Some((time, angle))
+        })
+        .collect();
+    all.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    all.into_iter().take(CLOSELY).map(|a| a.1).collect()
+}
+
+/// Gives features the fields that were chosen for them.
+pub(super) fn apply(
+    grid: &ToolCentreGrid,
+    cusp: &Metric,
+    spaced_for: f64,
+    chosen: &[Chosen],
+    regions: &mut Regions,
+) {
+    if chosen.is_empty() {
+        return;
+    }
+    let pick_feed = chosen
+        .iter()
+        .any(|c| c.source == FieldSource::PickFeed)
+        .then(|| Metric::new(grid, Ruler::IsoPickFeed, spaced_for));
+    let metrics = Metrics {
+        cusp,
+        pick_feed: pick_feed.as_ref(),
+        over_share: OVER_SHARE,
+    };
+    let source_of = |k: usize, f: &Feature| -> Option<&Chosen> {
+        chosen.iter().find(|c| match (c.seed, f.seed) {
+            (Some(a), Some(b)) => a == b,
+            (None, None) => regions.feature_at(grid, &c.place) == Some(k),
+            _ => false,
+        })
+    };
+    let wanted: Vec<Option<&Chosen>> = regions
+        .features
+        .iter()
+        .enumerate()
+        .map(|(k, f)| source_of(k, f))
+        .collect();
+    let new: Vec<Option<Feature>> = (0..wanted.len())
+        .into_par_iter()
+        .map(|k| {
+            let c = wanted[k]?;
+            let rim_is_cut = match c.source {
+                FieldSource::Rim(seed) => regions
+                    .features
+                    .iter()
+                    .position(|f| f.seed == Some(seed))
+                    .is_some_and(|j| wanted[j].is_none()),
+                _ => false,
+            };
+            refield(grid, &metrics, regions, k, &c.source, rim_is_cut)
+        })
+        .collect();
+    for (f, new) in regions.features.iter_mut().zip(new) {
+        if let Some(new) = new {
+            *f = new;
+        }
+    }
+}
+
+/// A place well inside a feature: the node of its ground that is nearest to their middle.
+fn middle(grid: &ToolCentreGrid, regions: &Regions, index: usize) -> Point2 {
+    let Some(f) = regions.features.get(index) else {
+        return Point2::origin();
+    };
+    let mine: Vec<Point2> = nodes(grid, f)
+        .filter(|&n| regions.label[n] as usize == index + 1)
+        .map(|n| grid.xy(n))
+        .collect();
+    let sum: Vector2 = mine.iter().map(|p| p.coords).sum();
+    let mean = Point2::from(sum / (mine.len().max(1)) as f64);
+    mine.into_iter()
+        .map(|p| ((p - mean).norm(), p))
+        .reduce(|a, b| if b.0 < a.0 { b } else { a })
+        .map_or(mean, |a| a.1)
+}
+
+/// Regions on every k-th node.
+fn thinned(fine: &ToolCentreGrid, coarse: &ToolCentreGrid, every: usize, of: &Regions) -> Regions {
+    let same = |i: usize| (i / coarse.nx) * every * fine.nx + (i % coarse.nx) * every;
+    let mut scratch = vec![f64::INFINITY; coarse.len()];
+    let mut window = |w: &Window| {
+        let first = [w.first[0].div_ceil(every), w.first[1].div_ceil(every)];
+        let end = [
+            (w.first[0] + w.size[0]).div_ceil(every).min(coarse.nx),
+            (w.first[1] + w.size[1]).div_ceil(every).min(coarse.ny),
+        ];
+        let mut there: Vec<u32> = Vec::new();
+        for y in first[1]..end[1] {
+            for x in first[0]..end[0] {
+                let i = y * coarse.nx + x;
+                scratch[i] = w.at(fine, same(i));
+                there.push(i as u32);
+            }
+        }
+        let out = Window::around(coarse, &there, &scratch);
+        there
+            .iter()
+            .for_each(|&i| scratch[i as usize] = f64::INFINITY);
+        out
+    };
+    Regions {
+        features: of
+            .features
+            .iter()
+            .map(|f| Feature {
+                field: window(&f.field),
+                free: window(&f.free),
+                ..f.clone()
+            })
+            .collect(),
+        label: (0..coarse.len()).map(|i| of.label[same(i)]).collect(),
+    }
+}
