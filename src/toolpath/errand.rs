@@ -352,3 +352,103 @@ impl Way {
         Some(before)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::part::Mesh;
+
+    const R: f64 = 3.0;
+
+    fn plate() -> DropCutter {
+        let p = |x: f64, y: f64| Point::new(x, y, 0.0);
+        let triangles = vec![
+            [p(0.0, 0.0), p(40.0, 0.0), p(40.0, 40.0)],
+            [p(0.0, 0.0), p(40.0, 40.0), p(0.0, 40.0)],
+        ];
+        DropCutter::new(&Mesh { triangles }, R)
+    }
+
+    fn pass(kind: PassKind, from: (f64, f64), to: (f64, f64), n: usize) -> Pass {
+        let at = |k: usize| k as f64 / (n - 1) as f64;
+        Pass {
+            kind,
+            feature: Some(0),
+            points: (0..n)
+                .map(|k| {
+                    let x = from.0 + (to.0 - from.0) * at(k);
+                    Point::new(x, from.1 + (to.1 - from.1) * at(k), R)
+                })
+                .collect(),
+            closed: false,
+        }
+    }
+
+    const LINKS: LinkOptions = LinkOptions {
+        feed: 25.0,
+        plunge: 8.0,
+        rapid_xy: 60.0,
+        rapid_z: 40.0,
+        acceleration: 500.0,
+        allowance: 0.5,
+        clearance: 0.5,
+        block_center_z: f64::NEG_INFINITY,
+        safe_center_z: 10.0,
+        retract_center_z: f64::NEG_INFINITY,
+        vertical: f64::INFINITY,
+        retract_worth: 2.0,
+    };
+    const HOW: ErrandOptions = ErrandOptions {
+        longest: 5.0,
+        reach: 4.0,
+    };
+
+    /// Everything that was cut is cut, the chain hangs together, and the way there and back is short.
+    #[test]
+    fn a_fill_is_cut_on_the_way_past_it() {
+        let cutter = plate();
+        let fitting = FitOptions::for_scallop(0.02, R);
+        let host = vec![pass(PassKind::Level, (5.0, 20.0), (35.0, 20.0), 61)];
+        let fill = vec![pass(PassKind::Fill, (18.0, 20.35), (20.0, 20.35), 5)];
+        let out = errands(
+            &cutter,
+            vec![host.clone(), fill.clone()],
+            &HOW,
+            &LINKS,
+            &fitting,
+        );
+        assert_eq!(out.len(), 1);
+        let chain = &out[0];
+        for w in chain.windows(2) {
+            let gap = w[1].points[0] - w[0].points.last().unwrap();
+            assert!(gap.norm() < 1e-9, "{gap}");
+        }
+        let all: Vec<&Point> = chain.iter().flat_map(|p| &p.points).collect();
+        for p in host[0].points.iter().chain(&fill[0].points) {
+            assert!(all.iter().any(|q| (**q - p).norm() < 1e-9), "{p}");
+        }
+        let turns: f64 = chain
+            .iter()
+            .filter(|p| p.kind == PassKind::Turn)
+            .map(Pass::length)
+            .sum();
+        assert!(turns < 9.0, "{turns}");
+    }
+
+    #[test]
+    fn what_is_far_keeps_its_own_trip() {
+        let cutter = plate();
+        let fitting = FitOptions::for_scallop(0.02, R);
+        let host = vec![pass(PassKind::Level, (5.0, 20.0), (35.0, 20.0), 61)];
+        let fill = vec![pass(PassKind::Fill, (18.0, 30.0), (20.0, 30.0), 5)];
+        let out = errands(
+            &cutter,
+            vec![host.clone(), fill.clone()],
+            &HOW,
+            &LINKS,
+            &fitting,
+        );
+        assert_eq!(out, vec![host, fill]);
+    }
+}

@@ -202,3 +202,31 @@ fn entry(c: &Chain, at: &Point) -> (f64, usize) {
         .filter_map(|(i, p)| Some(((p? - at).norm(), i)))
         .fold((f64::INFINITY, 0), |a, b| if b.0 < a.0 { b } else { a })
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::super::pass::PassKind;
+    use super::*;
+
+    fn chain(feature: usize, x: f64) -> Chain {
+        vec![Pass {
+            kind: PassKind::Level,
+            feature: Some(feature),
+            points: vec![Point::new(x, 0.0, 0.0), Point::new(x + 1.0, 0.0, 0.0)],
+            closed: false,
+        }]
+    }
+
+    /// Two features that lie in one another's gaps are cut in one go past both; nothing is lost.
+    #[test]
+    fn the_tour_crosses_features_where_that_is_shorter() {
+        let chains: Vec<Chain> = [(0, 6.0), (1, 3.0), (0, 0.0), (1, 9.0), (0, 12.0)]
+            .map(|(f, x)| chain(f, x))
+            .to_vec();
+        let out = order(chains, Point::new(-1.0, 0.0, 0.0));
+        let begins: Vec<f64> = out.iter().map(|c| c[0].points[0].x).collect();
+        assert_eq!(begins, [0.0, 3.0, 6.0, 9.0, 12.0]);
+        assert!(out.iter().all(|c| c[0].points[1].x > c[0].points[0].x));
+    }
+}

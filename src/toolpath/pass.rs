@@ -106,70 +106,88 @@ pub fn passes(
     steep: &Steep,
     fitting: &FitOptions,
 ) -> Vec<Pass> {
-    let mut out: Vec<Pass> = Vec::new();
-    for (index, feature) in regions.features.iter().enumerate() {
-        let cut: Vec<&Feature> = regions.features[..index]
-            .iter()
-            .filter(|f| f.rim_is_cut())
-            .collect();
-        let curves = trimmed_levels(grid, feature, &cut, steep, how.stepover);
-        let shaped: Vec<Vec<Leveled>> = curves
-            .par_iter()
-            .map(|c| {
-                // Grid noise is shorter than two steps: even it out before it becomes jerk.
-                let mut even = resample(&c.points, c.closed, 0.7 * grid.step);
-                smooth(&mut even, c.closed, 2);
-                let corner = if c.closed {
-                    // A loop cannot be rounder than a circle: asked to be, it would shrink to a point.
-                    how.corner
-                        .min(ROUNDEST * around(&even) / std::f64::consts::TAU)
-                } else {
-                    how.corner
-                };
-                round_corners(&mut even, c.closed, corner, CORNER_ROUNDS);
-                on_ground(grid, cutter, &even, c.closed, how.stepover)
-                    .into_iter()
-                    .map(|(points, closed)| Leveled {
-                        level: c.level,
-                        points,
-                        closed,
-                    })
-                    .collect()
-            })
-            .collect();
-        let wound = spirals(
-            shaped.into_iter().flatten().collect(),
-            &SpiralOptions {
-                stepover: how.stepover,
-                gap: 0.7 * grid.step,
-            },
-        );
-        let fitted: Vec<Vec<Pass>> = wound
-            .par_iter()
-            .map(|c| {
-                let fitted = match how.detail {
-                    Fitted::Proven => laid(cutter, &c.points, c.closed, fitting),
-                    Fitted::Draft => {
-                        vec![(dropped(cutter, &c.points, 0.3 * fitting.gouge), c.closed)]
-                    }
-                };
-                fitted
-                    .into_iter()
-                    // What touches the ground in one place is no pass, but a plunge for nothing.
-                    .filter(|(points, _)| points.len() > 1)
-                    .map(|(points, closed)| Pass {
-                        kind: PassKind::Level,
-                        feature: Some(index),
-                        points,
-                        closed,
-                    })
-                    .collect()
-            })
-            .collect();
-        out.extend(fitted.into_iter().flatten());
-    }
+    // All features at once: the passes of one may be a single long spiral.
+    let wound: Vec<(usize, Leveled)> = regions
+        .features
+        .par_iter()
+        .enumerate()
+        .flat_map_iter(|(index, _)| {
+            shaped(grid, cutter, regions, index, how, steep)
+                .into_iter()
+                .map(move |c| (index, c))
+        })
+        .collect();
+    let fitted: Vec<Vec<Pass>> = wound
+        .par_iter()
+        .with_max_len(1)
+        .map(|(index, c)| {
+            let fitted = match how.detail {
+                Fitted::Proven => laid(cutter, &c.points, c.closed, fitting),
+                Fitted::Draft => vec![(dropped(cutter, &c.points, 0.3 * fitting.gouge), c.closed)],
+            };
+            fitted
+                .into_iter()
+                // What touches the ground in one place is no pass, but a plunge for nothing.
+                .filter(|(points, _)| points.len() > 1)
+                .map(|(points, closed)| Pass {
+                    kind: PassKind::Level,
+                    feature: Some(*index),
+                    points,
+                    closed,
+                })
+                .collect()
+        })
+        .collect();
+    let mut out: Vec<Pass> = fitted.into_iter().flatten().collect();
     out.extend(border(grid, cutter, regions, fitting));
     out
+}
+
+/// Level passes of one feature in plan: trimmed, rounded, ending on the border, families of loops wound into spirals.
+fn shaped(
+    grid: &ToolCentreGrid,
+    cutter: &DropCutter,
+    regions: &Regions,
+    index: usize,
+    how: &PassOptions,
+    steep: &Steep,
+) -> Vec<Leveled> {
+    let cut: Vec<&Feature> = regions.features[..index]
+        .iter()
+        .filter(|f| f.rim_is_cut())
+        .collect();
+    let curves = trimmed_levels(grid, &regions.features[index], &cut, steep, how.stepover);
+    let shaped: Vec<Vec<Leveled>> = curves
+        .par_iter()
+        .map(|c| {
+            // Grid noise is shorter than two steps: even it out before it becomes jerk.
+            let mut even = resample(&c.points, c.closed, 0.7 * grid.step);
+            smooth(&mut even, c.closed, 2);
+            let corner = if c.closed {
+                // A loop cannot be rounder than a circle: asked to be, it would shrink to a point.
+                how.corner
+                    .min(ROUNDEST * around(&even) / std::f64::consts::TAU)
+            } else {
+                how.corner
+            };
+            round_corners(&mut even, c.closed, corner, CORNER_ROUNDS);
+            on_ground(grid, cutter, &even, c.closed, how.stepover)
+                .into_iter()
+                .map(|(points, closed)| Leveled {
+                    level: c.level,
+                    points,
+                    closed,
+                })
+                .collect()
+        })
+        .collect();
+    spirals(
+        shaped.into_iter().flatten().collect(),
+        &SpiralOptions {
+            stepover: how.stepover,
+            gap: 0.7 * grid.step,
+        },
+    )
 }
 
 /// Corners of a loop are rounded to at most this share of the radius of a circle as long as it.

@@ -4,7 +4,8 @@
 use super::common::PARTS;
 use super::morse::options;
 use super::plans;
-use morsemill::feature::{FeatureKind, Regions};
+use morsemill::feature::{FeatureKind, FieldSource, Metrics, Regions, refield};
+use morsemill::field::{Metric, Ruler};
 use morsemill::reach::{DropCutter, NodeKind};
 use morsemill::toolpath::Ground;
 use morsemill::toolpath::PLAN_SHARES;
@@ -47,7 +48,12 @@ fn judge(name: &str, ground: &Ground, regions: &Regions) {
             k + 1
         );
         if f.kind != FeatureKind::Strip {
-            assert!(l.first().is_none_or(|l| *l <= 0.5 + 1e-9));
+            // From a rim that is cut already, the first pass is a whole step away.
+            let first = match f.source {
+                FieldSource::Rim(_) => 1.0,
+                _ => 0.5,
+            };
+            assert!(l.first().is_none_or(|l| *l <= first + 1e-9));
         }
         // Beyond the last level there is at most one step to the rim (a neighbour's pass, or the border's loop).
         let last = l.last().copied().unwrap_or(0.0);
@@ -56,7 +62,7 @@ fn judge(name: &str, ground: &Ground, regions: &Regions) {
             "{name}: rim {} last {last}",
             f.rim
         );
-        if let Some(s) = f.saddle {
+        if let Some(s) = f.saddle.filter(|_| f.rim_is_cut()) {
             let v = f.field.at(g, ground.critical[s].node);
             assert!(
                 (v - f.rim).abs() <= 1e-9 * f.rim,
@@ -137,4 +143,65 @@ fn growing_repeats_itself_on_any_number_of_threads() {
     };
     let first = run(1);
     assert!(first == run(3) && first == run(1));
+}
+
+/// Whatever its field begins at, a feature keeps its ground: no pass is kept further than a rounding outside of what it grew over, and
+/// its fields leave no more than a small share of it to a fill.
+#[test]
+fn another_field_cuts_the_same_ground() {
+    let cutter = DropCutter::new(&PARTS[1].mesh(), 3.0);
+    let how = options(0.05);
+    let ground = survey(cutter, &how, &mut |_, _| {}, &mut |_| {}).unwrap();
+    let g = &ground.grid;
+    let spaced_for = PLAN_SHARES[0] * how.scallop;
+    let grown = features(&ground, Strategy::IsoScallop, spaced_for);
+    let cusp = Metric::new(g, Ruler::IsoScallop, spaced_for);
+    let pick_feed = Metric::new(g, Ruler::IsoPickFeed, spaced_for);
+    let metrics = Metrics {
+        cusp: &cusp,
+        pick_feed: Some(&pick_feed),
+        over_share: 0.005,
+    };
+    let mut tried = 0;
+    for (k, f) in grown.features.iter().enumerate() {
+        if f.kind == FeatureKind::Strip {
+            continue;
+        }
+        let mut sources = vec![
+            FieldSource::Planes(0.0),
+            FieldSource::Planes(70.0),
+            FieldSource::PickFeed,
+            FieldSource::Side("side -x".to_string()),
+            FieldSource::Side("corner +x+y".to_string()),
+        ];
+        let seeds = grown.features[..k].iter().filter(|f| f.saddle.is_some());
+        sources.extend(seeds.filter_map(|f| f.seed.map(FieldSource::Rim)));
+        for source in sources {
+            let Some(new) = refield(g, &metrics, &grown, k, &source, true) else {
+                continue;
+            };
+            tried += 1;
+            assert_eq!((new.area_mm2, new.kind), (f.area_mm2, f.kind));
+            assert!(
+                new.levels
+                    .windows(2)
+                    .all(|w| (w[1] - w[0] - 1.0).abs() < 1e-9)
+            );
+            assert!(new.rim - new.levels.last().copied().unwrap_or(0.0) <= 1.0 + 1e-9);
+            let (mut mine, mut unreached) = (0, 0);
+            for i in (0..g.len()).filter(|&i| g.kind[i] == NodeKind::Ground) {
+                let inside = f.field.at(g, i) <= f.rim && f.free.at(g, i) >= 0.0;
+                let free = new.free.at(g, i);
+                assert!(
+                    inside || !free.is_finite() || free <= 0.0,
+                    "{source:?} at {}",
+                    g.xy(i)
+                );
+                mine += usize::from(inside);
+                unreached += usize::from(inside && !new.field.at(g, i).is_finite());
+            }
+            assert!(unreached * 200 <= mine, "{source:?}: {unreached} of {mine}");
+        }
+    }
+    assert!(tried > 5, "{tried}");
 }
