@@ -33,6 +33,7 @@ pub mod pass;
 pub mod pencil;
 pub mod plan;
 pub mod saddle;
+pub mod sharp;
 mod skeleton;
 mod stroke;
 mod turn;
