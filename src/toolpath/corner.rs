@@ -82,10 +82,12 @@ fn even_out(
     let mut slopes: Vec<Option<Vector2>> = vec![None; n];
     let mut tight = vec![false; n];
     let mut ever = false;
+    // Places whose bend may have changed.
+    let mut look: Vec<usize> = (0..n).filter(|&i| inner(i)).collect();
     for _ in 0..rounds {
         tight.fill(false);
         let mut any = false;
-        for i in (0..n).filter(|&i| inner(i)) {
+        for &i in &look {
             let (p, q, r) = (&curve[(i + n - 1) % n], &curve[i], &curve[(i + 1) % n]);
             let (u, v) = (q - p, r - q);
             if bend(&u, &v) < PLAIN * (gap / radius).min(1.0) {
@@ -116,6 +118,8 @@ fn even_out(
             let (p, q, r) = (&old[(i + n - 1) % n], &old[i], &old[(i + 1) % n]);
             curve[i] = Point2::from((p.coords + q.coords * 2.0 + r.coords) * 0.25);
         }
+        let moved = |i: usize| tight[(i + n - 1) % n] || tight[i] || tight[(i + 1) % n];
+        look = (0..n).filter(|&i| inner(i) && moved(i)).collect();
     }
     ever
 }

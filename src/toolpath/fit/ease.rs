@@ -4,8 +4,6 @@
 use super::spread::{Place, angle};
 use super::{FitOptions, Rest};
 
-/// Turns over this many times what segments may turn are eased.
-const OVER: f64 = 1.1;
 /// A new point is of use when it lies this far off the chord it replaces, in last decimals.
 const OFF: f64 = 0.8;
 /// Chords shorter than this many last decimals are not split: rounding would bend their halves as much as they are eased.
@@ -28,7 +26,7 @@ pub(super) fn ease(
             if b.1 {
                 continue;
             }
-            if angle(&(b.0.at - a.0.at), &(c.0.at - b.0.at)) > OVER * options.turn {
+            if angle(&(b.0.at - a.0.at), &(c.0.at - b.0.at)) > options.turn {
                 split[i - 1] = true;
                 split[i] = true;
             }
