@@ -253,7 +253,7 @@ mod tests {
                 .fold(f64::INFINITY, f64::min)
         };
         // As far as its points, which draw together there, allow.
-        assert!(tightest(&c) < 0.28, "{}", tightest(&c));
+        assert!(tightest(&c) < 0.3, "{}", tightest(&c));
         assert!(tightest(&on) > 0.35, "{}", tightest(&on));
     }
 
