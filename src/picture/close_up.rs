@@ -168,11 +168,11 @@ impl Frame {
             });
         let step = ((high - low) / CONTOURS).max(1e-9);
         let band = |k: usize| (z[k] / step).floor();
-        for k in 0..n * n {
+        for (k, height) in z.iter().enumerate() {
             let (i, j) = (k % n, k / n);
             let edge =
                 (i + 1 < n && band(k) != band(k + 1)) || (j + 1 < n && band(k) != band(k + n));
-            let color = if !z[k].is_finite() {
+            let color = if !height.is_finite() {
                 color::PAPER
             } else if edge {
                 CONTOUR

@@ -80,8 +80,8 @@ pub fn saddle_turns(
     let up = Vector::new(0.0, 0.0, cutter.radius());
     each_turn(toolpath, |t| {
         let turn = t.degrees();
-        let higher = |s: &&mut SaddleTurns| turn > s.after && near(&s.center, &t.at, reach);
-        if !out.iter_mut().any(|mut s| higher(&&mut s)) {
+        let higher = |s: &SaddleTurns| turn > s.after && near(&s.center, &t.at, reach);
+        if !out.iter().any(higher) {
             return;
         }
         let own = if turn > SHARP {
