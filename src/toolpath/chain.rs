@@ -210,7 +210,7 @@ pub fn smooth_link(
     let sharpest = |points: &Option<Vec<Point>>| {
         points
             .as_ref()
-            .map_or(f64::INFINITY, |p| sharpest_turn(ends, p))
+            .map_or(f64::INFINITY, |p| sharpest_turn(cutter, ends, p))
     };
     let mut best = (sharpest(&first), first);
     if best.0 <= SHARP {
@@ -257,17 +257,26 @@ pub fn smooth_link(
     best.1
 }
 
-/// The sharpest turn on a link and where it joins its passes, rad.
-fn sharpest_turn(ends: &Ends, link: &[Point]) -> f64 {
+/// The sharpest turn on a link and where it joins its passes, but for corners of the part, rad.
+fn sharpest_turn(cutter: &DropCutter, ends: &Ends, link: &[Point]) -> f64 {
     let long = |d: &Vector| d.norm() > SHORT;
-    let mut ways: Vec<Vector> = Vec::with_capacity(link.len() + 1);
-    ways.extend(ends.before.iter().rev().map(|p| ends.from - p).find(long));
-    ways.extend(link.windows(2).map(|w| w[1] - w[0]).filter(long));
+    // Ways, each with the place where it begins.
+    let mut ways: Vec<(Point, Vector)> = Vec::with_capacity(link.len() + 1);
+    let behind = ends.before.iter().rev().map(|p| (*p, ends.from - p));
+    ways.extend(behind.into_iter().find(|w| long(&w.1)));
+    let own = link.windows(2).map(|w| (w[0], w[1] - w[0]));
+    ways.extend(own.filter(|w| long(&w.1)));
     if let Some(to) = ends.onto.first() {
-        ways.extend(ends.onto.iter().map(|p| p - to).find(long));
+        ways.extend(ends.onto.iter().map(|p| (*to, p - to)).find(|w| long(&w.1)));
     }
     ways.windows(2)
-        .map(|w| w[0].angle(&w[1]))
+        .map(|w| {
+            let turn = w[0].1.angle(&w[1].1);
+            if turn <= SHARP {
+                return turn;
+            }
+            cutter.own_turn(&w[1].0, &w[0].1.normalize(), &w[1].1.normalize())
+        })
         .fold(0.0, f64::max)
 }
 

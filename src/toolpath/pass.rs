@@ -187,7 +187,7 @@ pub fn slopes(cutter: &DropCutter) -> impl FnMut(&Point2) -> Vector2 + '_ {
 }
 
 /// A curve in plan as smooth as [`FitOptions::bend`] asks, with points enough where it bends; a loop too narrow to go round in is one
-/// stroke along its middle.
+/// stroke along its middle, or a small circle.
 fn eased(
     cutter: &DropCutter,
     curve: &[Point2],
@@ -201,6 +201,11 @@ fn eased(
     let gap = length / (curve.len() - 1) as f64;
     let gap = gap.max(0.4 * fitting.bend).min(fitting.probe);
     let stroke = closed.then(|| middle(curve, fitting.bend)).flatten();
+    if let Some(line) = &stroke
+        && line.windows(2).map(|w| (w[1] - w[0]).norm()).sum::<f64>() < DAB * fitting.bend
+    {
+        return (dab(line, fitting.bend), true);
+    }
     let closed = closed && stroke.is_none();
     let even = resample(stroke.as_deref().unwrap_or(curve), closed, gap);
     let rounding = Rounding {
@@ -210,6 +215,22 @@ fn eased(
     };
     let even = round_corners(even, closed, &rounding, &mut slopes(cutter));
     (refined(&even, closed), closed)
+}
+
+/// A loop whose middle line is shorter than this many of the tightest bends is gone round in a circle.
+const DAB: f64 = 4.0;
+
+/// The smallest circle that a pass may be, in the middle of a line.
+fn dab(line: &[Point2], radius: f64) -> Vec<Point2> {
+    let n = line.len().max(1) as f64;
+    let sum = line.iter().fold(Vector2::zeros(), |s, p| s + p.coords);
+    let middle = Point2::from(sum / n);
+    (0..48)
+        .map(|k| {
+            let (s, c) = (f64::from(k) * std::f64::consts::TAU / 48.0).sin_cos();
+            middle + Vector2::new(c, s) * radius
+        })
+        .collect()
 }
 
 /// The middle line of a closed curve that is on the whole no wider than `widest`, mm; `None` for a wider one.
