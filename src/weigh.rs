@@ -38,5 +38,6 @@ pub fn weigh(path: &Toolpath, settings: &Settings, feed: MmPerMin, plunge: MmPer
         air_s: q.air + q.plunge,
         vertical_acceleration_rms: q.vertical_acceleration_rms,
         largest_turn_deg: q.largest_turn,
+        ..Figures::default()
     }
 }

@@ -7,14 +7,16 @@ use crate::geom::{Point, Vector};
 use crate::morse::{CriticalKind, CriticalPoint, MorseFunction, Surface};
 use crate::part::Placement;
 use crate::picture::{
-    Gouge, HeatMap, Line, LineKind, Marker, MarkerKind, PictureError, Raster, Scene, SurfaceScene,
-    View, heat_map, passes, shaded, surface_map,
+    CloseUp, Gouge, HeatMap, Line, LineKind, Marker, MarkerKind, Pane, PictureError, Raster, Scene,
+    SurfaceScene, TurnMark, View, close_up, heat_map, passes, shaded, surface_map,
 };
 use crate::reach::{NodeKind, ToolCentreGrid};
 use crate::simulate::DryRun;
 use crate::sweep::{CuspMap, Lattice};
 use crate::toolpath::plan::Plan;
-use crate::toolpath::{Ground, MoveKind, PassKind};
+use crate::toolpath::saddle::straight_turns;
+use crate::toolpath::sharp::each_turn;
+use crate::toolpath::{Ground, MoveKind, Pass, PassKind};
 use std::path::Path;
 
 /// Width of pictures when none is asked for, pixels.
@@ -49,7 +51,7 @@ impl<'a> Subject<'a> {
     }
 }
 
-/// Draws `features.png`, `passes.png` and `cusps.png` into a folder.
+/// Draws `features.png`, `passes.png`, `cusps.png` and, where passes join near a saddle, `saddle.png` into a folder.
 pub fn draw_all(
     dir: &Path,
     of: &Subject,
@@ -70,6 +72,9 @@ pub fn draw_all(
         &dir.join("passes.png"),
         &pass_picture(of, ground, plan, &heights, verdict)?,
     )?;
+    if let Some(png) = saddle_picture(of, ground, plan)? {
+        write_whole(&dir.join("saddle.png"), &png)?;
+    }
     if let Some(map) = &verdict.map {
         write_whole(
             &dir.join("cusps.png"),
@@ -301,6 +306,89 @@ fn pass_picture(
         },
         &lines,
     )
+    .map_err(failed)
+}
+
+/// The saddle near which straight links would turn most sharply, with those and as it is cut; `None` where no passes join near one.
+fn saddle_picture(of: &Subject, ground: &Ground, plan: &Plan) -> Result<Option<Vec<u8>>, Failure> {
+    let joined = plan.saddles.iter().filter(|s| s.before > 0.0);
+    let Some(s) = joined.reduce(|a, b| if b.before > a.before { b } else { a }) else {
+        return Ok(None);
+    };
+    let near = |p: &Point| (p.xy() - s.center.xy()).norm() < 2.0 * s.reach;
+    let line = |kind: LineKind, pass: &Pass, points: Vec<Point>| Line {
+        kind,
+        feature: pass
+            .feature
+            .map_or(0, |f| (f + 1).min(u16::MAX as usize) as u16),
+        points,
+    };
+    let (mut before, mut after) = (Vec::new(), Vec::new());
+    for p in plan.passes.iter().filter(|p| p.points.iter().any(near)) {
+        let run = p.run();
+        if p.kind == PassKind::Turn {
+            if let (Some(a), Some(b)) = (run.first(), run.last()) {
+                before.push(line(LineKind::Link, p, vec![*a, *b]));
+            }
+            after.push(line(LineKind::Link, p, run));
+            continue;
+        }
+        let kind = if p.kind == PassKind::Fill {
+            LineKind::Fill
+        } else {
+            LineKind::Cut
+        };
+        before.push(line(kind, p, run.clone()));
+        after.push(line(kind, p, run));
+    }
+    let straight: Vec<TurnMark> = straight_turns(&plan.passes)
+        .into_iter()
+        .map(|(at, degrees)| TurnMark {
+            at: at.xy(),
+            degrees,
+        })
+        .collect();
+    let mut turns = Vec::new();
+    each_turn(&plan.toolpath, |t| {
+        turns.push(TurnMark {
+            at: t.at.xy(),
+            degrees: t.degrees(),
+        });
+    });
+    let heights = raster_of_grid(
+        &ground.grid,
+        (0..ground.grid.len())
+            .map(|i| match ground.grid.kind[i] {
+                NodeKind::Ground => ground.grid.center(i).z as f32,
+                _ => f32::NAN,
+            })
+            .collect(),
+    );
+    close_up(&CloseUp {
+        title: &format!("{}: passes at a saddle", of.name()),
+        subtitle: &format!(
+            "X {:.2} Y {:.2}, from above; the ball's centre; the circle is three stepovers, contour lines are the ground",
+            s.center.x, s.center.y
+        ),
+        heights: &heights,
+        center: s.center.xy(),
+        reach: s.reach,
+        limits: [15.0, 30.0],
+        panes: &[
+            Pane {
+                words: "joined by straight links",
+                lines: &before,
+                turns: &straight,
+            },
+            Pane {
+                words: "as cut",
+                lines: &after,
+                turns: &turns,
+            },
+        ],
+        width_px: of.width_px,
+    })
+    .map(Some)
     .map_err(failed)
 }
 

@@ -91,8 +91,16 @@ pub struct StrategyJson {
     pub retracts: usize,
     /// Root of the mean square of the tool's vertical acceleration while it cuts.
     pub vertical_acceleration_rms_mm_s2: f64,
-    /// Largest turn between consecutive cutting moves.
+    /// Largest turn between consecutive cutting moves, but for corners of the part.
     pub largest_turn_deg: f64,
+    /// Where it is: tool tip.
+    pub largest_turn_at: Option<[f64; 3]>,
+    /// Turns over 30 degrees that are no corners of the part.
+    pub turns_over_30: usize,
+    /// Turns over 30 degrees at corners of the part: a crease or an edge under the ball.
+    pub part_corners: usize,
+    /// The largest of those.
+    pub largest_part_corner_deg: f64,
     /// The program is this one.
     pub chosen: bool,
 }
@@ -111,6 +119,10 @@ pub fn strategies(plan: &Plan) -> Vec<StrategyJson> {
             retracts: c.retracts,
             vertical_acceleration_rms_mm_s2: c.figures.vertical_acceleration_rms,
             largest_turn_deg: c.figures.largest_turn_deg,
+            largest_turn_at: c.figures.largest_turn_at.map(|p| [p.x, p.y, p.z]),
+            turns_over_30: c.figures.sharp_turns,
+            part_corners: c.figures.part_corners,
+            largest_part_corner_deg: c.figures.largest_part_corner_deg,
             chosen: c.chosen,
         })
         .collect()
@@ -347,8 +359,15 @@ pub fn motion(m: &MotionFigures) -> String {
         ),
         None => "no turns".into(),
     };
+    let corners = match m.part_corners {
+        0 => String::new(),
+        n => format!(
+            ", {n} corners of the part up to {:.1}",
+            m.largest_part_corner_deg
+        ),
+    };
     format!(
-        "vertical RMS {:.1} mm/s2 at {:.2} mm/s; {:.1} % not cutting; {turns}",
+        "vertical RMS {:.1} mm/s2 at {:.2} mm/s; {:.1} % not cutting; {turns}{corners}",
         m.vertical_acceleration_rms_mm_s2, m.vertical_speed_rms_mm_s, m.non_cutting_percent
     )
 }

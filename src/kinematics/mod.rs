@@ -17,6 +17,6 @@ pub use chord::{Chords, chords};
 pub use demand::{Feed, LinkDemand, link_demand};
 pub use planner::{Block, Overrides, Planner, Pushed, Speed, Target};
 pub use profile::{Phase, Profile, Ramp};
-pub use quality::{Leg, MotionQuality, Purpose, path_quality};
+pub use quality::{Leg, MotionQuality, Purpose, SharpTurn, path_quality};
 pub use settings::Settings;
 pub use time::{Times, program_time};

@@ -80,7 +80,27 @@ pub struct MotionQuality {
     pub largest_turn_at: Option<usize>,
     /// How many turns exceed 30 degrees.
     pub turns_over_30: usize,
+    /// Largest of the turns up to 30 degrees.
+    pub largest_gentle_turn: f64,
+    /// Where that is, as `largest_turn_at`.
+    pub largest_gentle_turn_at: Option<usize>,
 }
+
+/// A turn of more than 30 degrees between two cutting moves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SharpTurn {
+    /// Where the tool tip turns, mm.
+    pub at: Point,
+    /// Way before it, unit vector.
+    pub before: Vector,
+    /// Way after it, unit vector.
+    pub after: Vector,
+    /// Line that begins with it, from 1.
+    pub line: usize,
+}
+
+/// Sharp turns beyond so many are counted, but not kept: a program is as long as it likes.
+pub const SHARP_KEPT: usize = 100_000;
 
 impl MotionQuality {
     /// Time that leaves nothing finished: air, plunges and links, s.
@@ -226,6 +246,8 @@ impl Run {
             largest_turn: self.way.largest.to_degrees(),
             largest_turn_at: self.way.largest_at,
             turns_over_30: self.way.sharp,
+            largest_gentle_turn: self.way.gentle.to_degrees(),
+            largest_gentle_turn_at: self.way.gentle_at,
             ..self.times
         }
     }
@@ -337,7 +359,7 @@ impl Vertical {
 }
 
 /// Follows the way of the tool and finds its turns.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Way {
     /// Where the last direction was told, and the direction; `None` when nothing was cut since the tool was in the air.
     anchor: Option<Point>,
@@ -346,6 +368,11 @@ pub(super) struct Way {
     largest: f64,
     largest_at: Option<usize>,
     sharp: usize,
+    /// Largest of those that are not sharp, rad.
+    gentle: f64,
+    gentle_at: Option<usize>,
+    /// The first [`SHARP_KEPT`] sharp ones.
+    pub(super) kept: Vec<SharpTurn>,
 }
 
 impl Way {
@@ -402,6 +429,16 @@ impl Way {
         let turn = before.cross(next).norm().atan2(before.dot(next));
         if turn.to_degrees() > SHARP + 1e-6 {
             self.sharp += 1;
+            if let Some(at) = self.anchor.filter(|_| self.kept.len() < SHARP_KEPT) {
+                self.kept.push(SharpTurn {
+                    at,
+                    before: *before,
+                    after: *next,
+                    line,
+                });
+            }
+        } else if turn > self.gentle || self.gentle_at.is_none() {
+            (self.gentle, self.gentle_at) = (turn, Some(line));
         }
         if turn > self.largest || self.largest_at.is_none() {
             self.largest = turn;

@@ -6,7 +6,7 @@
 
 use super::chord::chords;
 use super::planner::{Block, Speed, Target};
-use super::quality::{MotionQuality, Purpose, Run};
+use super::quality::{MotionQuality, Purpose, Run, SharpTurn};
 use super::settings::Settings;
 use crate::gcode::{Event, Motion, MotionKind};
 use crate::units::Seconds;
@@ -29,6 +29,8 @@ pub struct Times {
     pub idle: Seconds,
     /// How well it moves. Here feed moves without X and Y next to a rapid are plunges, and links count as cutting.
     pub motion: MotionQuality,
+    /// Its turns of more than 30 degrees, the first [`SHARP_KEPT`](super::quality::SHARP_KEPT) of them.
+    pub sharp_turns: Vec<SharpTurn>,
     /// Seconds by line of the program: line n is element n - 1. As long as the last line that does anything.
     pub per_line: Vec<f64>,
 }
@@ -44,6 +46,7 @@ pub fn program_time(events: &[Event], settings: &Settings) -> Times {
             dwell: Seconds(0.0),
             idle: Seconds(0.0),
             motion: MotionQuality::default(),
+            sharp_turns: Vec::new(),
             per_line: vec![0.0; events.iter().map(Event::line).max().unwrap_or(0)],
         },
         settled: true,
@@ -83,6 +86,7 @@ pub fn program_time(events: &[Event], settings: &Settings) -> Times {
         .run
         .standstill(&mut |b, t, p| clock.times.ran(b, t, p));
     clock.times.motion = clock.run.quality();
+    clock.times.sharp_turns = std::mem::take(&mut clock.run.way.kept);
     clock.times
 }
 

@@ -8,6 +8,7 @@
 //! ```
 
 pub mod canvas;
+pub mod close_up;
 pub mod color;
 pub mod heat;
 mod panel;
@@ -18,6 +19,7 @@ pub mod surface;
 mod text;
 
 pub use canvas::Canvas;
+pub use close_up::{CloseUp, Pane, TurnMark, close_up};
 pub use heat::{Gouge, HeatMap, heat_map};
 pub use raster::Raster;
 pub use relief::View;

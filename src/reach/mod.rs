@@ -14,6 +14,7 @@ pub mod contact;
 pub mod crease;
 pub mod drop;
 pub mod grid;
+mod near;
 mod shell;
 
 pub use contact::touch_height;

@@ -6,7 +6,7 @@ use super::report::{
 use super::start::Read;
 use super::{gouge, limits, material, start};
 use crate::gcode::{Dialect, Event};
-use crate::geom::Box3;
+use crate::geom::{Box3, Vector};
 use crate::kinematics::{Feed, Settings, Times, link_demand, program_time};
 use crate::machine::Machine;
 use crate::part::Mesh;
@@ -177,6 +177,12 @@ fn run(
         });
     }
     if let Some(part) = part {
+        let up = Vector::new(0.0, 0.0, radius);
+        report.motion = report
+            .motion
+            .judged(&times.motion, &times.sharp_turns, |t| {
+                part.drop.own_turn(&(t.at + up), &t.before, &t.after)
+            });
         judge(&moves, part, options, report);
     }
     say_what_is_missing(program, part, limits.machine_moves, report);

@@ -1,7 +1,8 @@
 //! The dry run's result, as people and machines read it. Names carry the units; serialised names are stable.
 
-use crate::kinematics::{LinkDemand, MotionQuality};
+use crate::kinematics::{LinkDemand, MotionQuality, SharpTurn};
 use crate::sweep::{CuspMap, FinishStats};
+use rayon::prelude::*;
 use serde::Serialize;
 
 /// What a dry run found out.
@@ -159,12 +160,17 @@ pub struct MotionFigures {
     pub vertical_acceleration_rms_mm_s2: f64,
     /// The same of its vertical speed: first differences.
     pub vertical_speed_rms_mm_s: f64,
-    /// Largest turn between two consecutive cutting moves (0: straight on, 180: back), moves below 5 um taken with the next one.
+    /// Largest turn between two consecutive cutting moves (0: straight on, 180: back), moves below 5 um taken with the next one; with a
+    /// part, but for corners of the part.
     pub largest_turn_deg: f64,
     /// Line that begins with it, from 1; `None` without turns.
     pub largest_turn_line: Option<usize>,
-    /// Turns of more than 30 degrees.
+    /// Turns of more than 30 degrees; with a part, but for corners of the part.
     pub turns_over_30: usize,
+    /// Turns of more than 30 degrees where the part itself turns: a crease under the ball, across which the way goes straight.
+    pub part_corners: usize,
+    /// The largest turn at one of them.
+    pub largest_part_corner_deg: f64,
     /// Time in the air and in plunges: feed moves straight up or down that begin or end in the air. The text does not tell links
     /// along the surface from passes.
     pub non_cutting_s: f64,
@@ -180,9 +186,48 @@ impl From<&MotionQuality> for MotionFigures {
             largest_turn_deg: q.largest_turn,
             largest_turn_line: q.largest_turn_at,
             turns_over_30: q.turns_over_30,
+            part_corners: 0,
+            largest_part_corner_deg: 0.0,
             non_cutting_s: q.non_cutting(),
             non_cutting_percent: q.non_cutting_percent(),
         }
+    }
+}
+
+impl MotionFigures {
+    /// With the corners of the part told apart: `own` finds what is left of a turn without the part's crease, rad. `sharp` are the turns
+    /// over 30 degrees that were kept.
+    pub fn judged(
+        self,
+        q: &MotionQuality,
+        sharp: &[SharpTurn],
+        own: impl Fn(&SharpTurn) -> f64 + Sync,
+    ) -> MotionFigures {
+        let mut out = self;
+        let limit = 30f64.to_radians();
+        let corner: Vec<bool> = sharp.par_iter().map(|t| own(t) <= limit).collect();
+        let turn = |t: &SharpTurn| {
+            t.before
+                .cross(&t.after)
+                .norm()
+                .atan2(t.before.dot(&t.after))
+                .to_degrees()
+        };
+        let corners = sharp.iter().zip(&corner).filter(|c| *c.1);
+        out.part_corners = corners.clone().count();
+        out.largest_part_corner_deg = corners.map(|c| turn(c.0)).fold(0.0, f64::max);
+        out.turns_over_30 = q.turns_over_30.saturating_sub(out.part_corners);
+        if sharp.len() == q.turns_over_30 {
+            // None was left out: the largest is one of these, or none of them.
+            let gentle = (q.largest_gentle_turn, q.largest_gentle_turn_at);
+            (out.largest_turn_deg, out.largest_turn_line) = sharp
+                .iter()
+                .zip(&corner)
+                .filter(|c| !*c.1)
+                .map(|c| (turn(c.0), Some(c.0.line)))
+                .fold(gentle, |a, b| if b.0 > a.0 { b } else { a });
+        }
+        out
     }
 }
 

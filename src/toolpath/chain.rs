@@ -8,9 +8,9 @@
 
 use super::fit::{FitOptions, fit_between};
 use super::link::LinkOptions;
-use super::pass::{Pass, PassKind};
-use super::turn::{Pose, Turn, turn};
-use crate::geom::{Point, Point2, Vector2};
+use super::pass::{Pass, PassKind, slopes};
+use super::turn::{Pose, Slant, Turn, turn};
+use crate::geom::{Point, Point2, Vector, Vector2};
 use crate::reach::DropCutter;
 use rayon::prelude::*;
 
@@ -70,6 +70,7 @@ fn joined(
     let mut alive: Vec<usize> = (0..left.len()).collect();
     // What is joined to what, before any link is laid: (pass, turn that leads to it).
     let mut plans: Vec<Vec<(Pass, Option<Turn>)>> = Vec::new();
+    let mut slope = slopes(cutter);
     while let Some(&first) = alive.first() {
         alive.remove(0);
         let Some(start) = left[first].take() else {
@@ -78,7 +79,7 @@ fn joined(
         let mut chain = vec![(start, None)];
         let mut turned = false;
         while let Some(from) = chain.last().and_then(|(p, _)| exit(p)) {
-            match next(&from, &alive, &ends, reach, links) {
+            match next(&from, &alive, &ends, reach, links, &mut slope) {
                 Some((k, way, entry)) => {
                     let i = alive.remove(k);
                     if let Some(mut p) = left[i].take() {
@@ -89,8 +90,9 @@ fn joined(
                 // An open chain may go on from its other end, once.
                 None if !turned && !chain[0].0.closed && chain.len() > 1 => {
                     let from = exit(&reversed(&chain[0].0));
-                    let more =
-                        from.is_some_and(|f| next(&f, &alive, &ends, reach, links).is_some());
+                    let more = from.is_some_and(|f| {
+                        next(&f, &alive, &ends, reach, links, &mut slope).is_some()
+                    });
                     if !more {
                         break;
                     }
@@ -156,11 +158,13 @@ fn lay(
             p.closed = false;
         }
         if let (Some(way), Some(last)) = (way, run.last().and_then(|q| q.points.last().copied())) {
-            match p
-                .points
-                .first()
-                .and_then(|to| surface_link(cutter, &way, &last, to, links, fitting))
-            {
+            let before = run.last().map_or(&[][..], |q| &q.points);
+            let ends = Ends {
+                from: &last,
+                before,
+                onto: &p.points,
+            };
+            match smooth_link(cutter, way, &ends, links, fitting) {
                 Some(points) => run.push(Pass {
                     kind: PassKind::Turn,
                     feature: p.feature,
@@ -176,9 +180,112 @@ fn lay(
     out
 }
 
+/// What a link joins.
+#[derive(Clone, Copy, Debug)]
+pub struct Ends<'a> {
+    /// Where it begins.
+    pub from: &'a Point,
+    /// The pass before it, which ends there.
+    pub before: &'a [Point],
+    /// The pass behind it.
+    pub onto: &'a [Point],
+}
+
+/// A link that turns by more than this from one segment to the next, rad, is laid again in other ways.
+const SHARP: f64 = 0.25;
+/// Radii tried then, in shares of the first one.
+const WIDER: [f64; 3] = [1.0, 1.6, 2.5];
+
+/// A way in plan as a proven run on the surface, as [`surface_link`]. Where the slope changes along it, it may turn more sharply there than
+/// it was drawn: then it is drawn for the slope at its middle, and wider, and the smoothest is taken.
+pub fn smooth_link(
+    cutter: &DropCutter,
+    way: Turn,
+    ends: &Ends,
+    links: &LinkOptions,
+    fitting: &FitOptions,
+) -> Option<Vec<Point>> {
+    let to = ends.onto.first()?;
+    let first = surface_link(cutter, &way, ends.from, to, links, fitting);
+    let sharpest = |points: &Option<Vec<Point>>| {
+        points
+            .as_ref()
+            .map_or(f64::INFINITY, |p| sharpest_turn(cutter, ends, p))
+    };
+    let mut best = (sharpest(&first), first);
+    if best.0 <= SHARP {
+        return best.1;
+    }
+    let behind = ends
+        .before
+        .iter()
+        .rev()
+        .find(|p| (*p - ends.from).norm() > 1e-9);
+    let ahead = ends.onto.iter().find(|p| (*p - to).norm() > 1e-9);
+    let (Some(from), Some(onto)) = (
+        behind.and_then(|b| pose(ends.from, b)),
+        ahead.and_then(|a| pose(to, a)),
+    ) else {
+        return best.1;
+    };
+    let onto = Pose {
+        heading: -onto.heading,
+        ..onto
+    };
+    let mut slope = slopes(cutter);
+    let drawn = way.points(fitting.probe);
+    let middle = drawn.get(drawn.len() / 2).copied().unwrap_or(from.at);
+    let slants = [middle, from.at, onto.at].map(|p| Slant::of(&slope(&p)));
+    for wider in WIDER {
+        for slant in &slants {
+            let radius = way.radius() * wider;
+            let again = turn(slant, &from, &onto, radius);
+            // Going round and round is no smoother way.
+            if again.length > 2.0 * way.length + radius {
+                continue;
+            }
+            let points = surface_link(cutter, &again, ends.from, to, links, fitting);
+            let sharp = sharpest(&points);
+            if sharp < best.0 {
+                best = (sharp, points);
+            }
+            if best.0 <= SHARP {
+                return best.1;
+            }
+        }
+    }
+    best.1
+}
+
+/// The sharpest turn on a link and where it joins its passes, but for corners of the part, rad.
+fn sharpest_turn(cutter: &DropCutter, ends: &Ends, link: &[Point]) -> f64 {
+    let long = |d: &Vector| d.norm() > SHORT;
+    // Ways, each with the place where it begins.
+    let mut ways: Vec<(Point, Vector)> = Vec::with_capacity(link.len() + 1);
+    let behind = ends.before.iter().rev().map(|p| (*p, ends.from - p));
+    ways.extend(behind.into_iter().find(|w| long(&w.1)));
+    let own = link.windows(2).map(|w| (w[0], w[1] - w[0]));
+    ways.extend(own.filter(|w| long(&w.1)));
+    if let Some(to) = ends.onto.first() {
+        ways.extend(ends.onto.iter().map(|p| (*to, p - to)).find(|w| long(&w.1)));
+    }
+    ways.windows(2)
+        .map(|w| {
+            let turn = w[0].1.angle(&w[1].1);
+            if turn <= SHARP {
+                return turn;
+            }
+            cutter.own_turn(&w[1].0, &w[0].1.normalize(), &w[1].1.normalize())
+        })
+        .fold(0.0, f64::max)
+}
+
+/// Segments shorter than this have no direction to speak of, mm.
+const SHORT: f64 = 0.005;
+
 /// A way in plan as a proven run on the surface between two places of it; `None` where the ball would fall, or climb something steep
 /// for it.
-pub fn surface_link(
+fn surface_link(
     cutter: &DropCutter,
     way: &Turn,
     from: &Point,
@@ -339,7 +446,9 @@ fn next(
     ends: &[Entries],
     reach: f64,
     links: &LinkOptions,
+    slope: &mut dyn FnMut(&Point2) -> Vector2,
 ) -> Option<(usize, Turn, Entry)> {
+    let slant = Slant::of(&slope(&from.at));
     let mut best: Option<(f64, usize, Turn, Entry)> = None;
     for (k, &i) in alive.iter().enumerate() {
         if ends[i].gap(&from.at) > reach {
@@ -350,7 +459,7 @@ fn next(
             if best.as_ref().is_some_and(|b| straight >= b.0) {
                 continue;
             }
-            let (way, time) = quickest_turn(from, &to, links);
+            let (way, time) = quickest_turn(&slant, from, &to, links);
             if best.as_ref().is_none_or(|b| time < b.0) {
                 best = Some((time, k, way, entry));
             }
@@ -364,19 +473,20 @@ const RADII: [f64; 4] = [1.0, 0.6, 0.36, TIGHTEST];
 /// Tighter turns, in the same shares, would be corners again to the last decimal of a program.
 const TIGHTEST: f64 = 0.22;
 
-/// The turn between two poses that takes least time, s: a wide one is long, a tight one slow.
-pub fn quickest_turn(from: &Pose, to: &Pose, links: &LinkOptions) -> (Turn, f64) {
+/// The turn between two poses (in plan, on a slope) that takes least time, s: a wide one is long, a tight one slow.
+pub fn quickest_turn(slant: &Slant, from: &Pose, to: &Pose, links: &LinkOptions) -> (Turn, f64) {
     let full = links.feed * links.feed / (TAKES * links.acceleration);
     // Half the gap between two poses side by side is the U-turn's own radius.
     let side = {
+        let (from, to) = (slant.pose(from), slant.pose(to));
         let d = to.at - from.at;
         0.5 * (d.x * from.heading.y - d.y * from.heading.x).abs()
     };
     let own = (side > TIGHTEST * full && side < full).then_some(side);
-    let mut best = (turn(from, to, full), f64::INFINITY);
+    let mut best = (turn(slant, from, to, full), f64::INFINITY);
     best.1 = turn_time(&best.0, links);
     for r in RADII[1..].iter().map(|r| r * full).chain(own) {
-        let t = turn(from, to, r);
+        let t = turn(slant, from, to, r);
         let time = turn_time(&t, links);
         if time < best.1 - 1e-9 {
             best = (t, time);

@@ -9,11 +9,11 @@
 //! A fill is a millimetre or two long and lies beside passes that come by anyway; a trip to it at the end of a feature crosses the
 //! feature. Chains in and out, ball centres, mm.
 
-use super::chain::{Chain, exit, quickest_turn, start, surface_link};
+use super::chain::{Chain, Ends, exit, quickest_turn, smooth_link, start};
 use super::fit::FitOptions;
 use super::link::LinkOptions;
-use super::pass::{Pass, PassKind};
-use super::turn::{Pose, Turn};
+use super::pass::{Pass, PassKind, slopes};
+use super::turn::{Pose, Slant, Turn};
 use crate::geom::{Point, Point2};
 use crate::reach::DropCutter;
 
@@ -49,12 +49,15 @@ pub fn errands(
         .iter()
         .map(|c| c.iter().map(Box2::of).collect())
         .collect();
+    let mut slope = slopes(cutter);
     let mut left = Vec::new();
     for errand in short {
         let Some(errand) = opened(errand) else {
             continue;
         };
-        let mut ways = ways(&hosts, &boxes, &errand, options, links);
+        // Passes in reach lie on much the same slope.
+        let slant = ends_of(&errand).map_or(Slant::default(), |(a, _)| Slant::of(&slope(&a)));
+        let mut ways = ways(&hosts, &boxes, &errand, &slant, options, links);
         ways.truncate(TRIES);
         let laid = ways
             .iter()
@@ -144,6 +147,7 @@ fn ways(
     hosts: &[Chain],
     boxes: &[Vec<Box2>],
     errand: &Chain,
+    slant: &Slant,
     options: &ErrandOptions,
     links: &LinkOptions,
 ) -> Vec<Way> {
@@ -201,7 +205,7 @@ fn ways(
             break;
         }
         let e = if backwards { &turned } else { errand };
-        if let Some(way) = way(&hosts[host], host, site, backwards, e, links) {
+        if let Some(way) = way(&hosts[host], host, site, backwards, e, slant, links) {
             let at = out.partition_point(|w| w.time <= way.time);
             if at < TRIES {
                 out.insert(at, way);
@@ -234,6 +238,7 @@ fn way(
     site: Site,
     backwards: bool,
     errand: &Chain,
+    slant: &Slant,
     links: &LinkOptions,
 ) -> Option<Way> {
     let (enter, leave) = (start(errand.first()?)?, exit(errand.last()?)?);
@@ -267,7 +272,7 @@ fn way(
     let mut time = 0.0;
     let mut turn_to = |a: Option<Pose>, b: Pose| {
         a.map(|a| {
-            let (t, s) = quickest_turn(&a, &b, links);
+            let (t, s) = quickest_turn(slant, &a, &b, links);
             time += s;
             t
         })
@@ -329,11 +334,16 @@ impl Way {
             Site::Start => (Chain::new(), host.clone()),
         };
         let laid = |way: &Turn, from: &Chain, to: &Chain| -> Option<Pass> {
-            let (a, b) = (from.last()?.points.last()?, to.first()?.points.first()?);
+            let (before, onto) = (&from.last()?.points, &to.first()?.points);
+            let ends = Ends {
+                from: before.last()?,
+                before,
+                onto,
+            };
             Some(Pass {
                 kind: PassKind::Turn,
                 feature,
-                points: surface_link(cutter, way, a, b, links, fitting)?,
+                points: smooth_link(cutter, way.clone(), &ends, links, fitting)?,
                 closed: false,
             })
         };

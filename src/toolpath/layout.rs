@@ -15,6 +15,7 @@ use super::link::{Air, LinkOptions, link};
 use super::order::order;
 use super::pass::{Fitted, Pass, PassKind, PassOptions, passes};
 use super::plan::{Candidate, Ground, Plan, PlanOptions, Stage, Strategy, Weigh};
+use super::sharp::sharp_turns;
 use crate::feature::{GrowOptions, Regions, Source, farthest, grow, whole};
 use crate::field::{Front, Metric, Ruler};
 use crate::geom::Point;
@@ -327,7 +328,7 @@ fn lay_at(
     let (toolpath, section_features) =
         link(cutter, bench.air(), &ordered, &regions, links, &fitting);
     let passes: Vec<Pass> = ordered.into_iter().flatten().collect();
-    let figures = weigh(&toolpath);
+    let figures = weigh(&toolpath).with_turns(&sharp_turns(cutter, &toolpath));
     let cutting = passes.iter().filter(|p| p.kind != PassKind::Turn).count();
     Plan {
         candidates: vec![Candidate::of(layout.name(), &toolpath, cutting, figures)],
@@ -395,7 +396,7 @@ pub(super) fn rasters(
         &links,
         &raster.fitting,
     );
-    let figures = (bench.weigh)(&path);
+    let figures = (bench.weigh)(&path).with_turns(&sharp_turns(cutter, &path));
     let name = format!("{} retracting", raster.layout.name());
     out.push(Candidate::of(name, &path, count, figures));
     out

@@ -22,10 +22,10 @@ pub struct Lead {
 
 /// Radii tried, mm, the widest first.
 const RADII: [f64; 3] = [1.5, 0.75, 0.35];
-/// How far round the arc goes: then it heads up steeply enough to be free.
-const SWEEP: f64 = 1.0;
-/// Pieces of the arc: a turn of 0.1 rad each.
-const PIECES: usize = 10;
+/// The arc goes round until it heads up but for this, rad: the straight way up or down that follows then turns by no more.
+const LEAN: f64 = 0.05;
+/// Turn of each piece of the arc, rad.
+const PIECE: f64 = 0.1;
 
 /// Off the end of a pass.
 pub fn out(cutter: &DropCutter, pass: &Pass, hint: &mut Hint) -> Lead {
@@ -88,16 +88,18 @@ fn arc(
     if up.dot(&flat).abs() > 0.95 {
         return None; // nearly upright already
     }
+    let sweep = std::f64::consts::FRAC_PI_2 - t.z.clamp(-1.0, 1.0).asin() - LEAN;
+    let pieces = (sweep / PIECE).ceil().max(1.0) as usize;
     RADII.iter().find_map(|&r| {
-        let points: Vec<Point> = (1..=PIECES)
+        let points: Vec<Point> = (1..=pieces)
             .map(|k| {
-                let a = SWEEP * k as f64 / PIECES as f64;
+                let a = sweep * k as f64 / pieces as f64;
                 at + (t * a.sin() + up * (1.0 - a.cos())) * r
             })
             .collect();
         let clear = points
             .iter()
             .all(|p| rest(cutter, p.x, p.y, hint).is_none_or(|s| p.z >= s.center.z - 1e-6));
-        clear.then_some((points, r * SWEEP))
+        clear.then_some((points, r * sweep))
     })
 }

@@ -2,11 +2,12 @@
 //! air, no higher than needed.
 
 use super::calm::calm;
-use super::chain::{Chain, exit, quickest_turn, start, surface_link};
+use super::chain::{Chain, Ends, exit, quickest_turn, smooth_link, start};
 use super::fit::FitOptions;
 use super::lead::{self, Lead};
 use super::moves::{Move, MoveKind, Section, Toolpath};
-use super::pass::{Pass, PassKind};
+use super::pass::{Pass, PassKind, slopes};
+use super::turn::Slant;
 use crate::feature::Regions;
 use crate::geom::{Point, Vector};
 use crate::part::Mesh;
@@ -299,11 +300,20 @@ fn between(
         return Link::Hop(hop);
     };
     // The least it can take: bail out before the work of dropping it.
-    let (way, time) = quickest_turn(&p, &q, options);
+    let middle = nalgebra::center(&p.at, &q.at);
+    let slant = Slant::of(&slopes(cutter)(&middle));
+    let (way, time) = quickest_turn(&slant, &p, &q, options);
     if time > limit {
         return Link::Hop(hop);
     }
-    let Some(points) = surface_link(cutter, &way, &a, &b, options, fitting) else {
+    let run = from.run();
+    let onto = to.run();
+    let ends = Ends {
+        from: &a,
+        before: &run,
+        onto: &onto,
+    };
+    let Some(points) = smooth_link(cutter, way, &ends, options, fitting) else {
         return Link::Hop(hop);
     };
     let length: f64 = points.windows(2).map(|w| (w[1] - w[0]).norm()).sum();

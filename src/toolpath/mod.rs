@@ -35,6 +35,7 @@ pub mod pass;
 pub mod pencil;
 pub mod plan;
 pub mod saddle;
+pub mod sharp;
 mod skeleton;
 mod spiral;
 mod stroke;

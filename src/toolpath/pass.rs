@@ -1,8 +1,8 @@
 //! Passes: level curves of a feature, trimmed to the ground that is its own.
 
 use super::border::border;
-use super::corner::round_corners;
-use super::fit::{FitOptions, fit, resample, smooth};
+use super::corner::{Rounding, refined, round_corners};
+use super::fit::{FitOptions, fit, resample, rest, smooth};
 use super::spiral::{Leveled, SpiralOptions, spirals};
 use super::wall::Steep;
 use crate::feature::{Feature, Regions};
@@ -170,7 +170,12 @@ fn shaped(
             } else {
                 how.corner
             };
-            round_corners(&mut even, c.closed, corner, CORNER_ROUNDS);
+            let rounding = Rounding {
+                radius: corner,
+                rounds: CORNER_ROUNDS,
+                eats_tips: false,
+            };
+            let even = round_corners(even, c.closed, &rounding, &mut slopes(cutter));
             on_ground(grid, cutter, &even, c.closed, how.stepover)
                 .into_iter()
                 .map(|(points, closed)| Leveled {
@@ -231,16 +236,112 @@ fn dropped(cutter: &DropCutter, curve: &[Point2], slack: f64) -> Vec<Point> {
 /// Points that one segment of a draft may stand for.
 const LONGEST_DRAFT: usize = 24;
 
-/// Drops and fits one curve in plan; a closed curve that stays whole comes back closed.
+/// The gradient of the tool-centre surface at places in plan; zero over empty air.
+pub fn slopes(cutter: &DropCutter) -> impl FnMut(&Point2) -> Vector2 + '_ {
+    let mut hint = Hint::default();
+    move |q| {
+        rest(cutter, q.x, q.y, &mut hint)
+            .map_or(Vector2::zeros(), |r| -r.normal.xy() / r.normal.z.max(0.05))
+    }
+}
+
+/// A curve in plan as smooth as [`FitOptions::bend`] asks, with points enough where it bends; a loop too narrow to go round in is one
+/// stroke along its middle, or a small circle.
+fn eased(
+    cutter: &DropCutter,
+    curve: &[Point2],
+    closed: bool,
+    fitting: &FitOptions,
+) -> (Vec<Point2>, bool) {
+    if fitting.bend <= 0.0 || curve.len() < 3 {
+        return (curve.to_vec(), closed);
+    }
+    let length: f64 = curve.windows(2).map(|w| (w[1] - w[0]).norm()).sum();
+    let gap = length / (curve.len() - 1) as f64;
+    let gap = gap.max(0.4 * fitting.bend).min(fitting.probe);
+    let stroke = closed.then(|| middle(curve, fitting.bend)).flatten();
+    if let Some(line) = &stroke
+        && line.windows(2).map(|w| (w[1] - w[0]).norm()).sum::<f64>() < DAB * fitting.bend
+    {
+        return (dab(line, fitting.bend), true);
+    }
+    let closed = closed && stroke.is_none();
+    let even = resample(stroke.as_deref().unwrap_or(curve), closed, gap);
+    let rounding = Rounding {
+        radius: fitting.bend,
+        rounds: CORNER_ROUNDS,
+        eats_tips: true,
+    };
+    let even = round_corners(even, closed, &rounding, &mut slopes(cutter));
+    (refined(&even, closed), closed)
+}
+
+/// A loop whose middle line is shorter than this many of the tightest bends is gone round in a circle.
+const DAB: f64 = 4.0;
+
+/// The smallest circle that a pass may be, in the middle of a line.
+fn dab(line: &[Point2], radius: f64) -> Vec<Point2> {
+    let n = line.len().max(1) as f64;
+    let sum = line.iter().fold(Vector2::zeros(), |s, p| s + p.coords);
+    let middle = Point2::from(sum / n);
+    (0..48)
+        .map(|k| {
+            let (s, c) = (f64::from(k) * std::f64::consts::TAU / 48.0).sin_cos();
+            middle + Vector2::new(c, s) * radius
+        })
+        .collect()
+}
+
+/// The middle line of a closed curve that is on the whole no wider than `widest`, mm; `None` for a wider one.
+fn middle(curve: &[Point2], widest: f64) -> Option<Vec<Point2>> {
+    let n = curve.len();
+    let (mut twice_area, mut round) = (0.0, 0.0);
+    let first = curve.first()?;
+    for i in 0..n {
+        let (a, b) = (curve[i] - first, curve[(i + 1) % n] - first);
+        twice_area += a.x * b.y - a.y * b.x;
+        round += (b - a).norm();
+    }
+    // A strip of width w and length l: area w l, way round it 2 l.
+    if round <= 0.0 || twice_area.abs() / round > widest {
+        return None;
+    }
+    let farthest = |p: &Point2| {
+        (0..n).max_by(|&i, &j| (curve[i] - p).norm().total_cmp(&(curve[j] - p).norm()))
+    };
+    let i = farthest(first)?;
+    let j = farthest(&curve[i])?;
+    let half = |from: usize, to: usize| -> Vec<Point2> {
+        let steps = (to + n - from) % n;
+        (0..=steps).map(|k| curve[(from + k) % n]).collect()
+    };
+    let (there, mut back) = (half(i, j), half(j, i));
+    back.reverse();
+    let count = there.len().max(back.len()).max(3);
+    let spread = |half: &[Point2]| -> Vec<Point2> {
+        let l: f64 = half.windows(2).map(|w| (w[1] - w[0]).norm()).sum();
+        resample(half, false, (l / (count - 1) as f64) * (1.0 + 1e-9))
+    };
+    let (there, back) = (spread(&there), spread(&back));
+    let line: Vec<Point2> = there
+        .iter()
+        .zip(&back)
+        .map(|(a, b)| nalgebra::center(a, b))
+        .collect();
+    (line.len() > 1).then_some(line)
+}
+
+/// Drops and fits one curve in plan; a closed curve that stays whole comes back closed. Bends tighter than [`FitOptions::bend`] are
+/// rounded first.
 pub fn laid(
     cutter: &DropCutter,
     curve: &[Point2],
     closed: bool,
     fitting: &FitOptions,
 ) -> Vec<(Vec<Point>, bool)> {
-    let mut open = curve.to_vec();
-    if closed && let Some(first) = curve.first() {
-        open.push(*first);
+    let (mut open, closed) = eased(cutter, curve, closed, fitting);
+    if closed && let Some(first) = open.first().copied() {
+        open.push(first);
     }
     let mut runs = fit(cutter, &open, fitting);
     if closed && runs.len() == 1 && runs[0].len() > 3 {

@@ -68,13 +68,15 @@ fn along(
     let curve = beside(cutter, crease, options.off_wall);
     let wall = crease.points.iter().any(by_wall);
     // Beside a wall no chord may stray as far as the room that is kept.
-    let fitting = if wall {
-        FitOptions {
-            sideways: fitting.sideways.min(0.5 * options.off_wall),
-            ..*fitting
-        }
-    } else {
-        *fitting
+    let fitting = FitOptions {
+        sideways: if wall {
+            fitting.sideways.min(0.5 * options.off_wall)
+        } else {
+            fitting.sideways
+        },
+        // A crease is followed into its corners.
+        bend: 0.0,
+        ..*fitting
     };
     laid(cutter, &curve, crease.closed, &fitting)
         .into_iter()

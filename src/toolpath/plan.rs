@@ -12,10 +12,11 @@ use super::link::LinkOptions;
 use super::moves::{MoveKind, Toolpath};
 use super::pass::Pass;
 use super::saddle::{SaddleTurns, saddle_turns};
+use super::sharp::SharpTurns;
 use super::wall::TooDeep;
 use crate::feature::Regions;
 use crate::field::{Metric, Ruler};
-use crate::geom::Vector2;
+use crate::geom::{Point, Vector2};
 use crate::morse::{
     AverageOptions, CriticalPoint, FieldOptions, GridField, MorseFunction, MorseOptions,
     critical_points,
@@ -171,8 +172,30 @@ pub struct Figures {
     pub air_s: f64,
     /// Root of the mean square of the tool's vertical acceleration while it cuts, mm/s2.
     pub vertical_acceleration_rms: f64,
-    /// Largest turn between consecutive cutting moves, degrees.
+    /// Largest turn between consecutive cutting moves, degrees; once the part was looked at, but for the part's own corners.
     pub largest_turn_deg: f64,
+    /// Where that is (tool tip, mm), once the part was looked at.
+    pub largest_turn_at: Option<Point>,
+    /// Turns over 30 degrees that are no corners of the part, and those that are; see [`super::sharp`].
+    pub sharp_turns: usize,
+    /// At corners of the part.
+    pub part_corners: usize,
+    /// The largest turn at a corner of the part, degrees.
+    pub largest_part_corner_deg: f64,
+}
+
+impl Figures {
+    /// With its turns judged by the part.
+    pub fn with_turns(self, t: &SharpTurns) -> Figures {
+        Figures {
+            largest_turn_deg: t.largest_deg,
+            largest_turn_at: t.largest_at,
+            sharp_turns: t.sharp,
+            part_corners: t.part_corners,
+            largest_part_corner_deg: t.largest_part_corner_deg,
+            ..self
+        }
+    }
 }
 
 /// Weighs a toolpath with the machine's own planner.
@@ -423,6 +446,7 @@ pub fn plan<'g>(
     chosen.candidates = candidates;
     chosen.saddles = saddle_turns(
         &ground.critical,
+        &ground.cutter,
         &chosen.passes,
         &chosen.toolpath,
         NEAR_SADDLE * stepover,

@@ -1,10 +1,12 @@
 //! How smoothly passes turn into one another near saddles, where features meet: the figure that says whether they are blended.
 
-use super::moves::{MoveKind, Toolpath};
+use super::moves::Toolpath;
 use super::pass::{Pass, PassKind};
+use super::sharp::{SHORTEST, each_turn};
 use super::turn::bend;
-use crate::geom::{Point, Point2, Vector2};
+use crate::geom::{Point, Point2, Vector, Vector2};
 use crate::morse::{CriticalKind, CriticalPoint};
+use crate::reach::DropCutter;
 
 /// The sharpest turns near one saddle, degrees.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -13,18 +15,44 @@ pub struct SaddleTurns {
     pub critical: usize,
     /// Where the ball's centre stands over it, mm.
     pub center: Point,
+    /// Turns this near to it in plan are meant, mm.
+    pub reach: f64,
     /// Passes joined by straight links would turn this sharply in plan; 0 where none are joined near it.
     pub before: f64,
-    /// The path does turn this sharply, from one move along the surface to the next; 0 where it does not come near.
+    /// The path does turn this sharply, from one move along the surface to the next, but for corners of the part; 0 where it does not come
+    /// near.
     pub after: f64,
 }
 
-/// Moves shorter than this are turned any way by the last decimal of a program, mm.
-const SHORTEST: f64 = 0.005;
+/// The turns (ball centre, degrees in plan) that passes joined by straight links would make where they join. `passes` in cutting order.
+pub fn straight_turns(passes: &[Pass]) -> Vec<(Point, f64)> {
+    let mut out = Vec::new();
+    for w in passes.windows(3) {
+        if w[1].kind != PassKind::Turn {
+            continue;
+        }
+        let (Some(a), Some(b)) = (w[1].points.first(), w[1].points.last()) else {
+            continue;
+        };
+        let straight = b.xy() - a.xy();
+        if let Some(h) = heading(w[0].points.iter().rev()) {
+            out.push((*a, bend(&-h, &straight).to_degrees()));
+        }
+        if let Some(h) = heading(w[2].points.iter()) {
+            out.push((*b, bend(&straight, &h).to_degrees()));
+        }
+    }
+    out
+}
 
-/// The turns within `reach` (mm, in plan) of each saddle. `passes` in cutting order. Cost: moves times saddles.
+/// Turns beyond this are looked at for a corner of the part, degrees.
+const SHARP: f64 = 15.0;
+
+/// The turns within `reach` (mm, in plan) of each saddle, but for corners of the part. `passes` in cutting order. Cost: moves times
+/// saddles.
 pub fn saddle_turns(
     critical: &[CriticalPoint],
+    cutter: &DropCutter,
     passes: &[Pass],
     toolpath: &Toolpath,
     reach: f64,
@@ -36,6 +64,7 @@ pub fn saddle_turns(
         .map(|(k, c)| SaddleTurns {
             critical: k,
             center: c.center,
+            reach,
             before: 0.0,
             after: 0.0,
         })
@@ -43,52 +72,29 @@ pub fn saddle_turns(
     if out.is_empty() {
         return out;
     }
-    for w in passes.windows(3) {
-        if w[1].kind != PassKind::Turn {
-            continue;
-        }
-        let (Some(a), Some(b)) = (w[1].points.first(), w[1].points.last()) else {
-            continue;
-        };
-        let straight = b.xy() - a.xy();
-        let leaves = heading(w[0].points.iter().rev()).map(|h| bend(&-h, &straight));
-        let enters = heading(w[2].points.iter()).map(|h| bend(&straight, &h));
-        let sharpest = leaves
-            .unwrap_or(0.0)
-            .max(enters.unwrap_or(0.0))
-            .to_degrees();
-        for s in &mut out {
-            if near(&s.center, a, reach) || near(&s.center, b, reach) {
-                s.before = s.before.max(sharpest);
-            }
+    for (at, turn) in straight_turns(passes) {
+        for s in out.iter_mut().filter(|s| near(&s.center, &at, reach)) {
+            s.before = s.before.max(turn);
         }
     }
-    // The last two places far enough apart to have a direction; none after a move through the air.
-    let mut last: Vec<Point> = Vec::with_capacity(2);
-    for m in &toolpath.moves {
-        if !matches!(m.kind, MoveKind::Cut | MoveKind::Link) {
-            last.clear();
-            last.push(m.to);
-            continue;
+    let up = Vector::new(0.0, 0.0, cutter.radius());
+    each_turn(toolpath, |t| {
+        let turn = t.degrees();
+        let higher = |s: &SaddleTurns| turn > s.after && near(&s.center, &t.at, reach);
+        if !out.iter().any(higher) {
+            return;
         }
-        let Some(&at) = last.last() else {
-            last.push(m.to);
-            continue;
+        let own = if turn > SHARP {
+            cutter
+                .own_turn(&(t.at + up), &t.before, &t.after)
+                .to_degrees()
+        } else {
+            turn
         };
-        if (m.to - at).norm() < SHORTEST {
-            continue;
+        for s in out.iter_mut().filter(|s| higher(s)) {
+            s.after = s.after.max(own);
         }
-        if let [before, _] = last[..] {
-            let turn = (at - before).angle(&(m.to - at)).to_degrees();
-            for s in &mut out {
-                if turn > s.after && near(&s.center, &at, reach) {
-                    s.after = turn;
-                }
-            }
-            last.remove(0);
-        }
-        last.push(m.to);
-    }
+    });
     out
 }
 
@@ -105,7 +111,8 @@ fn heading<'a>(mut points: impl Iterator<Item = &'a Point>) -> Option<Vector2> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::toolpath::Move;
+    use crate::part::Mesh;
+    use crate::toolpath::{Move, MoveKind};
 
     #[test]
     fn a_square_corner_near_the_saddle_is_told_and_one_far_away_is_not() {
@@ -125,7 +132,13 @@ mod tests {
                 .collect(),
             ..Toolpath::default()
         };
-        let turn = |x: f64| saddle_turns(&[saddle], &[], &path(x), 1.5)[0].after;
+        let cutter = DropCutter::new(
+            &Mesh {
+                triangles: Vec::new(),
+            },
+            3.0,
+        );
+        let turn = |x: f64| saddle_turns(&[saddle], &cutter, &[], &path(x), 1.5)[0].after;
         assert!((turn(0.0) - 90.0).abs() < 1e-9);
         assert_eq!(turn(30.0), 0.0);
     }

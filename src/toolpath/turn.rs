@@ -3,7 +3,10 @@
 //! L. E. Dubins, *On curves of minimal length with a constraint on average curvature*, Amer. J. Math. 79 (1957): it is an arc, a straight
 //! and an arc, or three arcs. A U-turn between two passes is its simplest case: half a circle, when the radius is half the gap.
 //!
-//! Knows nothing of surfaces: the caller drops the way onto the part and proves it.
+//! On a slope an arc in plan is an ellipse on the surface, tight where the way turns downhill: there the turn is drawn on the tangent
+//! plane ([`Slant`]) and seen from above.
+//!
+//! Knows nothing of surfaces but a slope: the caller drops the way onto the part and proves it.
 
 use crate::geom::{Point2, Vector2};
 use std::f64::consts::{PI, TAU};
@@ -17,6 +20,60 @@ pub struct Pose {
     pub heading: Vector2,
 }
 
+/// Plan and tangent plane of a slope: lengths across it are the same in both, lengths along it are longer on the plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Slant {
+    /// Uphill in plan, a unit vector; zero on the flat.
+    up: Vector2,
+    /// Length on the plane of one unit uphill in plan.
+    longer: f64,
+}
+
+/// Ground steeper than this (rise over run) counts as so steep.
+const STEEPEST: f64 = 5.0;
+
+impl Slant {
+    /// Of a surface with this gradient.
+    pub fn of(gradient: &Vector2) -> Slant {
+        let g = gradient.norm();
+        if !g.is_finite() || g < 1e-9 {
+            return Slant::default();
+        }
+        Slant {
+            up: gradient / g,
+            longer: 1f64.hypot(g.min(STEEPEST)),
+        }
+    }
+
+    /// From plan onto the plane.
+    fn raise(&self, v: Vector2) -> Vector2 {
+        v + self.up * (self.up.dot(&v) * (self.longer - 1.0))
+    }
+
+    /// From the plane into plan.
+    fn lower(&self, v: Vector2) -> Vector2 {
+        v + self.up * (self.up.dot(&v) * (1.0 / self.longer - 1.0))
+    }
+
+    /// A pose in plan as it is on the plane.
+    pub fn pose(&self, p: &Pose) -> Pose {
+        let heading = self.raise(p.heading);
+        Pose {
+            at: Point2::from(self.raise(p.at.coords)),
+            heading: heading / heading.norm().max(1e-300),
+        }
+    }
+}
+
+impl Default for Slant {
+    fn default() -> Slant {
+        Slant {
+            up: Vector2::zeros(),
+            longer: 1.0,
+        }
+    }
+}
+
 /// One piece of a turn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Piece {
@@ -28,17 +85,20 @@ enum Piece {
 /// A way between two poses.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Turn {
+    /// On the plane of `slant`.
     from: Pose,
     radius: f64,
     pieces: [Piece; 3],
-    /// Length in plan, mm.
+    slant: Slant,
+    /// Length on the plane it is drawn on, mm.
     pub length: f64,
     /// Length of its arcs alone, mm.
     pub curved: f64,
 }
 
-/// The shortest way of bending radius `radius` (above zero) from one pose to another.
-pub fn turn(from: &Pose, to: &Pose, radius: f64) -> Turn {
+/// The shortest way of bending radius `radius` (above zero) from one pose to another, drawn on the plane of `slant`; poses are in plan.
+pub fn turn(slant: &Slant, from: &Pose, to: &Pose, radius: f64) -> Turn {
+    let (from, to) = (&slant.pose(from), &slant.pose(to));
     let d = (to.at - from.at) / radius;
     let along = angle(&d);
     let dist = d.norm();
@@ -113,15 +173,23 @@ pub fn turn(from: &Pose, to: &Pose, radius: f64) -> Turn {
         from: *from,
         radius,
         pieces,
+        slant: *slant,
         length,
         curved,
     }
 }
 
 impl Turn {
-    /// Points along it, no further than `gap` mm apart and turning no more than a tenth of a radian from one to the next; both ends
-    /// among them.
+    /// Points along it in plan, no further than `gap` mm apart and turning no more than a tenth of a radian from one to the next (on the
+    /// plane it is drawn on); both ends among them.
     pub fn points(&self, gap: f64) -> Vec<Point2> {
+        self.drawn(gap)
+            .iter()
+            .map(|p| Point2::from(self.slant.lower(p.coords)))
+            .collect()
+    }
+
+    fn drawn(&self, gap: f64) -> Vec<Point2> {
         let mut out = vec![self.from.at];
         let (mut at, mut heading) = (self.from.at, angle(&self.from.heading));
         let r = self.radius;
@@ -195,6 +263,11 @@ impl Turn {
         (center + Vector2::new(h.sin(), -h.cos()) * (side * r), h)
     }
 
+    /// Radius it was drawn with, mm.
+    pub fn radius(&self) -> f64 {
+        self.radius
+    }
+
     /// Tightest radius on it, mm; infinite for a straight way.
     pub fn tightest(&self) -> f64 {
         if self.curved > 1e-9 {
@@ -240,9 +313,11 @@ mod tests {
 
     #[test]
     fn a_u_turn_is_half_a_circle_and_a_straight_way_is_straight() {
-        let t = turn(&pose(0.0, 0.0, 0.0), &pose(0.0, 0.7, PI), 0.35);
+        let flat = Slant::default();
+        let t = turn(&flat, &pose(0.0, 0.0, 0.0), &pose(0.0, 0.7, PI), 0.35);
         assert!((t.length - 0.35 * PI).abs() < 1e-9, "{t:?}");
         let t = turn(
+            &flat,
             &pose(0.0, 0.0, 0.3),
             &pose(3.0 * 0.3f64.cos(), 3.0 * 0.3f64.sin(), 0.3),
             0.35,
@@ -250,12 +325,30 @@ mod tests {
         assert!((t.length - 3.0).abs() < 1e-9 && t.curved < 1e-6, "{t:?}");
     }
 
+    #[test]
+    fn on_a_slope_a_turn_is_round_on_the_surface() {
+        let g = Vector2::new(0.6, -2.0);
+        let slant = Slant::of(&g);
+        let (from, to) = (pose(1.0, 2.0, 0.4), pose(1.5, 2.6, 3.9));
+        let p = turn(&slant, &from, &to, 0.3).points(0.05);
+        assert!((p[0] - from.at).norm() < 1e-9 && (p[p.len() - 1] - to.at).norm() < 1e-6);
+        let lift = |d: Vector2| crate::geom::Vector::new(d.x, d.y, g.dot(&d));
+        for w in p.windows(3) {
+            let (u, v) = (lift(w[1] - w[0]), lift(w[2] - w[1]));
+            assert!(
+                u.norm() < 1e-6 || v.norm() < 1e-6 || u.angle(&v) < 0.11,
+                "{w:?}"
+            );
+        }
+        assert!(bend(&(p[1] - p[0]), &from.heading) < 0.2);
+    }
+
     proptest! {
         /// It begins and ends where and as it should, bends no tighter than asked, and is no longer than going round.
         #[test]
         fn turns_join_poses(x in -3.0..3.0f64, y in -3.0..3.0f64, a in 0.0..TAU, b in 0.0..TAU, r in 0.1..1.5f64) {
             let (from, to) = (pose(0.0, 0.0, a), pose(x, y, b));
-            let t = turn(&from, &to, r);
+            let t = turn(&Slant::default(), &from, &to, r);
             let p = t.points(0.05);
             prop_assert!((p[0] - from.at).norm() < 1e-12);
             prop_assert!((p[p.len() - 1] - to.at).norm() < 1e-6, "{:?} {:?}", p[p.len() - 1], t);

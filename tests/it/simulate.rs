@@ -399,6 +399,8 @@ fn json_has_the_promised_names() {
         "/motion/largest_turn_deg",
         "/motion/largest_turn_line",
         "/motion/turns_over_30",
+        "/motion/part_corners",
+        "/motion/largest_part_corner_deg",
         "/motion/non_cutting_s",
         "/motion/non_cutting_percent",
         "/finish/scallop_um/p50",

@@ -17,6 +17,7 @@
 //! Crosses the border: a curve in plan and a part made ready for a ball in; runs of ball *centres* out, work coordinates, mm. Knows
 //! nothing of passes, links or dialects (but that a program has a last decimal).
 
+mod ease;
 pub mod prove;
 mod spread;
 
@@ -40,6 +41,9 @@ pub struct FitOptions {
     pub longest: f64,
     /// Largest turn from one segment to the next, rad, where the curve itself has no corner.
     pub turn: f64,
+    /// A pass shall nowhere bend tighter than this on the surface, mm: a bend of it still takes segments that are long beside the last
+    /// decimal. Zero: passes are laid as they come.
+    pub bend: f64,
     /// The last decimal of the program: points are placed on whole ones (of the tool tip), and proven there. Zero: anywhere.
     pub decimal: f64,
 }
@@ -58,6 +62,7 @@ impl FitOptions {
             probe: (8.0 * radius * 2.0 * g).sqrt() * 0.5,
             longest: radius,
             turn: 12.0_f64.to_radians(),
+            bend: (0.2 * stepover).max(0.05),
             decimal: 0.001,
         }
     }

@@ -10,6 +10,7 @@
 //! Equal shares of a smooth density make neighbouring segments about as long as each other: the controller's planner is fed evenly, and
 //! no short leg between two long ones bends the path.
 
+use super::ease::ease;
 use super::prove::Vertex;
 use super::{CLIFF_RUN, FitOptions, Rest};
 use crate::geom::{Point, Vector};
@@ -53,7 +54,7 @@ pub(super) fn spread(rests: &[Rest], options: &FitOptions) -> Vec<Vertex> {
         }
         (first, after_cliff) = (i + 1, true);
     }
-    lifted(rests, &places, options)
+    lifted(rests, &ease(rests, places, options), options)
 }
 
 /// A run that ends where it began.
@@ -215,7 +216,7 @@ fn directions(rests: &[Rest], along: &[f64]) -> Vec<(Vector, Vector)> {
 }
 
 /// Angle between two directions, rad; zero when one of them is nothing.
-fn angle(a: &Vector, b: &Vector) -> f64 {
+pub(super) fn angle(a: &Vector, b: &Vector) -> f64 {
     if *a == Vector::zeros() || *b == Vector::zeros() {
         return 0.0;
     }
@@ -257,9 +258,9 @@ struct Smooth<'a> {
 
 /// A place on a path of rests: index of the rest at it or before it, and the point.
 #[derive(Clone, Copy, Debug)]
-struct Place {
-    index: usize,
-    at: Point,
+pub(super) struct Place {
+    pub index: usize,
+    pub at: Point,
 }
 
 impl<'a> Smooth<'a> {
