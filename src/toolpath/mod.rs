@@ -17,6 +17,7 @@ pub mod arcs;
 mod border;
 pub mod chain;
 mod corner;
+mod crests;
 pub mod curve;
 mod detail;
 mod estimate;
