@@ -5,7 +5,7 @@ use super::features::FunctionName;
 use super::output::{say, to_stdout, write_json, write_whole};
 use super::progress::Progress;
 use super::show::{self, CriticalJson, FeatureJson, PartJson, StrategyJson};
-use super::{Failure, pictures};
+use super::{Failure, pictures, rest_picture};
 use crate::machine::{DEFAULT_MACHINE, Machine};
 use crate::part::{Loaded, Placement};
 use crate::post::{Coolant, Job, Post, write};
@@ -201,6 +201,7 @@ struct MillJson<'a> {
     fit: FitJson,
     walls: WallsJson,
     rest_tolerance_mm: f64,
+    rest_plan_mm2: f64,
     rest_surface_mm2: f64,
     rest_spots: usize,
     rest: Vec<RestJson>,
@@ -516,6 +517,14 @@ pub fn run(a: &MillArgs) -> Result<ExitCode, Failure> {
             &verdict,
             a.tool.scallop,
         )?;
+        rest_picture::draw(
+            dir,
+            &pictures::Subject::new(&a.part, &placement, a.picture_width),
+            verdict.map.as_ref(),
+            verdict.finish.as_ref(),
+            &left,
+            a.tool.scallop,
+        )?;
     }
     let total = progress.finish();
     let mut seconds: BTreeMap<&'static str, f64> = BTreeMap::new();
@@ -738,6 +747,7 @@ fn mill_json<'a>(
                 .collect(),
         },
         rest_tolerance_mm: a.tool.scallop,
+        rest_plan_mm2: left.plan,
         rest_surface_mm2: left.area,
         rest_spots: left.count,
         rest: left

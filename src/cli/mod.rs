@@ -14,6 +14,7 @@ mod pictures;
 pub mod ports;
 pub mod posts;
 mod progress;
+mod rest_picture;
 pub mod send;
 mod show;
 

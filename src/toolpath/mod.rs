@@ -19,6 +19,7 @@ mod calm;
 pub mod chain;
 mod choose;
 mod corner;
+mod crests;
 pub mod curve;
 mod detail;
 mod errand;
