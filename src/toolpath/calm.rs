@@ -1,43 +1,52 @@
-//! Calm links: a feed of their own for links that would throw the tool up and down.
+//! Calm: a lower feed where the way would throw the tool up and down harder than the machine should.
 //!
 //! A turn between two passes that run level on a slope lies across the slope: taken at full feed it is the hardest throw of the whole
-//! job, in a place that is finished already. The throw goes with the square of the speed, the time lost only with its first power and
-//! over a millimetre or two. Passes keep the job's feed.
+//! job, in a place that is finished already; a pass that rolls over a ridge comes next. The throw goes with the square of the speed, the
+//! time lost only with its first power and over a millimetre or two.
 //!
-//! Crosses the border: moves of the tool tip in, the same moves out, [`Move::feed`] set on some links. Knows nothing of the part.
+//! Crosses the border: moves of the tool tip in, the same moves out, [`Move::feed`] set on some cuts and links. Knows nothing of the part.
 
 use super::link::LinkOptions;
 use super::moves::{Move, MoveKind};
 use crate::units::MmPerMin;
 
-/// A good share of the Z axis' acceleration for [`LinkOptions::vertical`].
+/// A good share of the Z axis' acceleration for [`LinkOptions::vertical`]: the rest is for what stays when a controller blends chords.
 pub const CALM: f64 = 0.5;
 /// The vertical acceleration is told over three heights this far apart in time, s: shorter throws are the chords' and the motors'.
 const SAMPLE: f64 = 0.01;
 /// Feeds are this many parts of the job's; one for each part less is tried.
 const PARTS: usize = 20;
-/// No slower than this many of those parts: a link that is steep all along is not made better by crawling.
+/// No slower than this many of those parts: a way that is steep all along is not made better by crawling.
 const FEWEST: usize = 6;
-/// A feed holds for this far along the way at least, mm: changes every few tenths of a millimetre would be throws again.
+/// In a link a feed holds for this far along the way at least, mm: changes every few tenths of a millimetre would be throws again.
 const HOLDS: f64 = 1.0;
 
-/// Gives links a lower feed where the vertical acceleration would exceed `options.vertical`. Linear in the moves.
+/// Gives cuts and links a lower feed where the vertical acceleration would exceed `options.vertical`. Some ten looks at each place where it
+/// does, one elsewhere.
 pub fn calm(moves: &mut [Move], options: &LinkOptions) {
     if !(options.vertical.is_finite() && options.vertical > 0.0) {
         return;
     }
+    let on_surface = |m: &Move| matches!(m.kind, MoveKind::Cut | MoveKind::Link);
     let mut end = 1;
     while end < moves.len() {
         let first = end;
         end += 1;
-        if moves[first].kind != MoveKind::Link {
+        if !on_surface(&moves[first]) {
             continue;
         }
-        while end < moves.len() && moves[end].kind == MoveKind::Link {
+        while end < moves.len() && on_surface(&moves[end]) {
             end += 1;
         }
-        let parts = parts(moves, first, end, options);
-        for (m, parts) in moves[first..end].iter_mut().zip(parts) {
+        let way = Way::of(&moves[first - 1..end]);
+        let link: Vec<bool> = moves[first..end]
+            .iter()
+            .map(|m| m.kind == MoveKind::Link)
+            .collect();
+        for (m, parts) in moves[first..end]
+            .iter_mut()
+            .zip(parts(&way, &link, options))
+        {
             if parts < PARTS {
                 let feed = options.feed * 60.0 * parts as f64 / PARTS as f64;
                 // Whole numbers where they are numbers at all: a program is read by people too.
@@ -47,36 +56,34 @@ pub fn calm(moves: &mut [Move], options: &LinkOptions) {
     }
 }
 
-/// Parts of the job's feed for each of the links `first..end`.
-fn parts(moves: &[Move], first: usize, end: usize, options: &LinkOptions) -> Vec<usize> {
-    // The way with a little of the cuts on both sides: most throws begin where a pass ends.
-    let widest = 2.0 * SAMPLE * options.feed;
-    let way = Way::around(moves, first, end, widest);
-    let mut parts = vec![PARTS; end - first];
+/// Parts of the job's feed for each move of a way, of which some are links. Where a link meets a cut it is the link that goes slower, and
+/// all of it; a cut is slowed only where itself is thrown.
+fn parts(way: &Way, link: &[bool], options: &LinkOptions) -> Vec<usize> {
+    let mut parts = vec![PARTS; way.moves()];
+    let mut places: Vec<f64> = way.places().collect();
+    let over = options.vertical * SAMPLE * SAMPLE;
     for k in (FEWEST + 1..=PARTS).rev() {
-        let v = options.feed * k as f64 / PARTS as f64;
-        let step = v * SAMPLE;
-        let over = options.vertical * SAMPLE * SAMPLE;
-        for s in way.places() {
-            if (way.height(s - step) - 2.0 * way.height(s) + way.height(s + step)).abs() <= over {
-                continue;
-            }
-            for (i, p) in parts.iter_mut().enumerate() {
-                let (from, to) = way.span(i);
-                if *p == k && from < s + step && to > s - step {
-                    *p = k - 1;
-                }
+        let step = options.feed * k as f64 / PARTS as f64 * SAMPLE;
+        // What is calm at one speed is calm at any lower one.
+        places.retain(|&s| {
+            (way.height(s - step) - 2.0 * way.height(s) + way.height(s + step)).abs() > over
+        });
+        for s in &places {
+            let near = way.between(s - step, s + step);
+            let linked = link[near.clone()].contains(&true);
+            for i in near.filter(|&i| link[i] == linked) {
+                parts[i] = parts[i].min(k - 1);
             }
         }
     }
     (0..parts.len())
         .map(|i| {
+            if !link[i] {
+                return parts[i];
+            }
             let (from, to) = way.span(i);
-            (0..parts.len())
-                .filter(|&j| {
-                    let (f, t) = way.span(j);
-                    f < to + HOLDS && t > from - HOLDS
-                })
+            way.between(from - HOLDS, to + HOLDS)
+                .filter(|&j| link[j])
                 .map(|j| parts[j])
                 .min()
                 .unwrap_or(PARTS)
@@ -84,59 +91,46 @@ fn parts(moves: &[Move], first: usize, end: usize, options: &LinkOptions) -> Vec
         .collect()
 }
 
-/// Heights along a run of links and a little of what is before and behind it.
+/// Heights along a run of moves on the surface.
 struct Way {
-    /// Distance along the way and height of each end of a move, mm.
+    /// Distance along the way and height of each end of a move, mm; never none.
     knots: Vec<(f64, f64)>,
-    /// Index of the knot where the first link begins.
-    begin: usize,
-    /// Links.
-    count: usize,
 }
 
 impl Way {
-    fn around(moves: &[Move], first: usize, end: usize, beyond: f64) -> Way {
-        let cut = |m: &Move| matches!(m.kind, MoveKind::Cut | MoveKind::Link);
-        let length = |i: usize| moves[i].length(&moves[i - 1].to);
-        let (mut low, mut high) = (first - 1, end);
-        let mut room = 0.0;
-        while low > 0 && room < beyond && cut(&moves[low]) {
-            room += length(low);
-            low -= 1;
-        }
-        room = 0.0;
-        while high < moves.len() && room < beyond && cut(&moves[high]) {
-            room += length(high);
-            high += 1;
-        }
+    /// Of moves that follow one another; the first one is only where the second begins.
+    fn of(moves: &[Move]) -> Way {
         let mut s = 0.0;
-        let knots = (low..high)
-            .map(|i| {
-                if i > low {
-                    s += length(i);
-                }
-                (s, moves[i].to.z)
-            })
-            .collect();
-        Way {
-            knots,
-            begin: first - 1 - low,
-            count: end - first,
-        }
+        let mut knots: Vec<(f64, f64)> = moves.first().map(|m| (0.0, m.to.z)).into_iter().collect();
+        knots.extend(moves.windows(2).map(|w| {
+            s += w[1].length(&w[0].to);
+            (s, w[1].to.z)
+        }));
+        Way { knots }
     }
 
-    /// Where the `i`th link begins and ends.
+    fn moves(&self) -> usize {
+        self.knots.len() - 1
+    }
+
+    /// Where the `i`th move begins and ends.
     fn span(&self, i: usize) -> (f64, f64) {
-        (
-            self.knots[self.begin + i].0,
-            self.knots[self.begin + i + 1].0,
-        )
+        (self.knots[i].0, self.knots[i + 1].0)
+    }
+
+    /// The moves that reach into an open stretch of the way.
+    fn between(&self, from: f64, to: f64) -> std::ops::Range<usize> {
+        let first = self.knots[1..].partition_point(|k| k.0 <= from);
+        let end = self.knots[..self.moves()].partition_point(|k| k.0 < to);
+        first..end.max(first)
     }
 
     /// Height at a place; before the first and behind the last knot it goes on straight.
     fn height(&self, s: f64) -> f64 {
-        let n = self.knots.len();
-        let j = self.knots.partition_point(|k| k.0 < s).clamp(1, n - 1);
+        let j = self
+            .knots
+            .partition_point(|k| k.0 < s)
+            .clamp(1, self.moves());
         let ((a, za), (b, zb)) = (self.knots[j - 1], self.knots[j]);
         if b > a {
             za + (zb - za) * (s - a) / (b - a)
@@ -145,13 +139,14 @@ impl Way {
         }
     }
 
-    /// Where the throw is told: at the knots of the links and halfway between them.
+    /// Where the throw is told: at the knots and halfway between them.
     fn places(&self) -> impl Iterator<Item = f64> + '_ {
-        (self.begin..=self.begin + self.count).flat_map(|j| {
-            let s = self.knots[j].0;
-            let half = self.knots.get(j + 1).map(|k| 0.5 * (s + k.0));
-            std::iter::once(s).chain(half)
-        })
+        let halves = self.knots.windows(2).map(|w| 0.5 * (w[0].0 + w[1].0));
+        self.knots
+            .iter()
+            .map(|k| k.0)
+            .zip(halves.chain([f64::NAN]))
+            .flat_map(|(a, b)| [a, b])
     }
 }
 
