@@ -88,6 +88,18 @@ impl Window {
         }
     }
 
+    /// Rows of the grid, each with its columns that have a place here.
+    pub fn spans(&self) -> impl Iterator<Item = (usize, std::ops::Range<usize>)> + '_ {
+        self.rows.iter().enumerate().map(|(k, &(from, at))| {
+            let end = self
+                .rows
+                .get(k + 1)
+                .map_or(self.value.len(), |next| next.1 as usize);
+            let from = from as usize;
+            (self.first_row + k, from..from + (end - at as usize))
+        })
+    }
+
     /// The value at a node of the whole grid; +inf outside the window.
     #[inline]
     pub fn at(&self, grid: &ToolCentreGrid, node: usize) -> f64 {

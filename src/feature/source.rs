@@ -57,9 +57,9 @@ fn own(grid: &ToolCentreGrid, f: &Feature, node: usize) -> bool {
 
 /// Nodes of a feature's window.
 pub fn nodes<'a>(grid: &'a ToolCentreGrid, f: &'a Feature) -> impl Iterator<Item = usize> + 'a {
-    let [x0, y0] = f.field.first;
-    let [nx, ny] = f.field.size;
-    (y0..y0 + ny).flat_map(move |y| (x0..x0 + nx).map(move |x| y * grid.nx + x))
+    f.field
+        .spans()
+        .flat_map(move |(y, columns)| columns.map(move |x| y * grid.nx + x))
 }
 
 /// A feature with the same ground and a field from somewhere else; none if there is no such place. `grown` are the features as

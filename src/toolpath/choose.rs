@@ -301,14 +301,13 @@ fn thinned(fine: &ToolCentreGrid, coarse: &ToolCentreGrid, every: usize, of: &Re
     let same = |i: usize| (i / coarse.nx) * every * fine.nx + (i % coarse.nx) * every;
     let mut scratch = vec![f64::INFINITY; coarse.len()];
     let mut window = |w: &Window| {
-        let first = [w.first[0].div_ceil(every), w.first[1].div_ceil(every)];
-        let end = [
-            (w.first[0] + w.size[0]).div_ceil(every).min(coarse.nx),
-            (w.first[1] + w.size[1]).div_ceil(every).min(coarse.ny),
-        ];
         let mut there: Vec<u32> = Vec::new();
-        for y in first[1]..end[1] {
-            for x in first[0]..end[0] {
+        for (row, columns) in w.spans() {
+            let y = row / every;
+            if row % every != 0 || y >= coarse.ny {
+                continue;
+            }
+            for x in columns.start.div_ceil(every)..columns.end.div_ceil(every).min(coarse.nx) {
                 let i = y * coarse.nx + x;
                 scratch[i] = w.at(fine, same(i));
                 there.push(i as u32);
