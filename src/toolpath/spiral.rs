@@ -60,10 +60,7 @@ pub fn spirals(curves: Vec<Leveled>, options: &SpiralOptions) -> Vec<Leveled> {
     }
     let mut left: Vec<Option<Leveled>> = curves.into_iter().map(Some).collect();
     let mut out = Vec::with_capacity(left.len());
-    for i in 0..left.len() {
-        if is_next[i] {
-            continue;
-        }
+    for (i, _) in is_next.iter().enumerate().filter(|n| !n.1) {
         let mut family: Vec<Leveled> = Vec::new();
         let mut at = Some(i);
         while let Some(k) = at {
