@@ -10,7 +10,9 @@
 //! next to a step the slope is that of the cell's own side.
 
 use crate::geom::{Point, Point2};
+use crate::reach::DropCutter;
 use crate::sweep::nearest::Paths;
+use crate::sweep::peak::{self, Look};
 use crate::sweep::reachable::ALIGNED;
 use crate::sweep::tiles::{ReachTiles, Tile, area};
 use crate::sweep::{Lattice, Reachable, Segment, Swept};
@@ -48,7 +50,7 @@ const GOUGE_SEEN: f64 = 1e-3;
 pub struct CuspMap {
     /// Where.
     pub lattice: Lattice,
-    /// Height left above the reachable surface, mm; NaN where not judged, `+inf` where nothing came within the uncut limit.
+    /// Height left above the reachable surface, mm, the highest in the cell where it is near the height asked for; NaN where not judged, `+inf` where nothing came within the uncut limit.
     pub cusp_mm: Vec<f32>,
     /// Depth cut into the part at the cell's own point, mm; 0 for none or less than a micrometre, NaN where not judged.
     pub gouge_mm: Vec<f32>,
@@ -67,7 +69,7 @@ pub struct Percentiles {
     pub p99: f64,
     /// 99.9 %.
     pub p999: f64,
-    /// The highest found at any cell centre.
+    /// The highest found: at a cell's centre, or between the centres where it may be near the height asked for.
     pub max: f64,
 }
 
@@ -142,6 +144,7 @@ pub fn finish(
         return Err(FinishError::Lattice);
     }
     let judge = Judge {
+        part: None,
         paths: &Paths::new(segments, 0.25 * reach.radius, area(&lattice)),
         options,
         whole: lattice,
@@ -174,6 +177,7 @@ pub fn finish_tiles<X: Send>(
         factor *= 2;
     }
     let judge = Judge {
+        part: Some(tiles.drop_cutter()),
         paths,
         options,
         whole,
@@ -247,6 +251,8 @@ struct MapPart {
 
 /// What judging a cell needs beside the cell.
 struct Judge<'a> {
+    /// For a look between the centres of cells.
+    part: Option<&'a DropCutter>,
     paths: &'a Paths,
     options: &'a FinishOptions,
     whole: Lattice,
@@ -279,14 +285,15 @@ impl Judge<'_> {
             for ix in core.columns.clone() {
                 let i = lattice.index(ix - wide.columns.start, iy - wide.rows.start);
                 let at = (iy / self.factor - y0) * nx + ix / self.factor - x0;
-                let [worst_cusp, worst_gouge, top] = &mut part.cells[at];
+                let [worst_cusp, worst_gouge, highest] = &mut part.cells[at];
                 // Of several the highest; max takes a number rather than NaN.
-                *top = top.max(reach.part_z[i] as f32);
+                *highest = highest.max(reach.part_z[i] as f32);
                 if reach.part_z[i].is_nan() || !reach.reach_z[i].is_finite() {
                     continue;
                 }
                 let stretch = stretch(reach, i);
                 let (cusp, gouge) = self.cell(reach, i, swept_z[i], stretch);
+                let top = self.top(reach, i, swept_z).map_or(cusp, |top| cusp.max(top));
                 let area = (stretch * AREA_GRAIN).round() as u64;
                 tally.cell(
                     self,
@@ -294,9 +301,9 @@ impl Judge<'_> {
                     i,
                     self.whole.index(ix, iy),
                     area,
-                    [cusp, gouge],
+                    [cusp, top, gouge],
                 );
-                *worst_cusp = worst_cusp.max(cusp);
+                *worst_cusp = worst_cusp.max(top);
                 *worst_gouge = worst_gouge.max(gouge);
             }
         }
@@ -329,6 +336,46 @@ impl Judge<'_> {
             gouge = (radius - self.paths.distance(&p, radius, &expected())).max(0.0);
         }
         (cusp.max(0.0) as f32, gouge as f32)
+    }
+}
+
+/// Cusps are looked at between the centres of cells where they may be higher than this share of what is asked for.
+const LOOKED_AT: f64 = 0.95;
+/// ... and where the ball reaches the part but for this share: elsewhere only the cells' centres are known well enough.
+const REACHED: f64 = 0.2;
+
+impl Judge<'_> {
+    /// The highest cusp anywhere in a cell, mm, if one near the limit may pass through it beside its centre.
+    fn top(&self, reach: &Reachable, i: usize, swept_z: &[f64]) -> Option<f32> {
+        let part = self.part?;
+        let (l, h, radius) = (&reach.lattice, self.options.scallop, reach.radius);
+        let height =
+            |i: usize| (swept_z[i] - reach.reach_z[i]) * f64::from(reach.normal_z[i]);
+        let own = height(i);
+        let missed = (2.0 * h / radius).sqrt() * 0.71 * l.step;
+        let enough = (LOOKED_AT - peak::SLACK) * h;
+        // What is not a number is not looked at.
+        if !(own > enough - missed && own < self.options.uncut_above) {
+            return None;
+        }
+        let (x, y) = l.cell(i);
+        let beside = |dx: i64, dy: i64| {
+            let (x, y) = (x as i64 + dx, y as i64 + dy);
+            if x < 0 || y < 0 || x >= l.nx as i64 || y >= l.ny as i64 {
+                f64::NEG_INFINITY
+            } else {
+                height(l.index(x as usize, y as usize))
+            }
+        };
+        let crest = peak::crest(beside, l.step * l.step / (2.0 * radius));
+        if crest <= enough || !peak::reached(reach, i, REACHED * h) {
+            return None;
+        }
+        let look = Look::at(reach, i, reach.part_z[i]);
+        // What facets hold back is the part's, not a cusp.
+        let rest = reach.rest(i).max(0.0);
+        let enough = radius + rest + LOOKED_AT * h;
+        Some((peak::highest(&look, part, self.paths, enough) - radius - rest) as f32)
     }
 }
 
@@ -410,7 +457,7 @@ impl Tally {
         i: usize,
         cell: usize,
         area: u64,
-        [cusp, gouge]: [f32; 2],
+        [cusp, top, gouge]: [f32; 3],
     ) {
         let o = j.options;
         let spot = |value: f32, z: f64| {
@@ -434,8 +481,9 @@ impl Tally {
                 self.bins.resize(b + 1, 0);
             }
             self.bins[b] += area;
-            if self.highest.is_none_or(|h| cusp >= h.value) {
-                keep(&mut self.highest, spot(cusp, reach.reach_z[i]));
+            let top = top.min(o.uncut_above as f32);
+            if self.highest.is_none_or(|h| top >= h.value) {
+                keep(&mut self.highest, spot(top, reach.reach_z[i]));
             }
         }
         if gouge > 0.0 {

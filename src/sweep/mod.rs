@@ -8,6 +8,7 @@ pub(crate) mod buckets;
 pub mod finish;
 pub mod lattice;
 pub mod nearest;
+pub(crate) mod peak;
 pub mod reachable;
 pub mod rest;
 pub mod swept;

@@ -66,6 +66,39 @@ impl Paths {
         self.curtains.is_empty()
     }
 
+    /// Puts into `out` all curtains that come within this distance (mm) of a point, for asking about many points near it.
+    pub(super) fn around(&self, p: &Point, within: f64, out: &mut Vec<Curtain>) {
+        out.clear();
+        if self.is_empty() {
+            return;
+        }
+        let buckets = &self.buckets;
+        let within_sq = within * within;
+        let gap_sq = |v: f64, first: f64| self.gap(v, first).powi(2);
+        let wide = within + 1e-4 * buckets.size;
+        let columns = buckets.columns(p.x - wide, p.x + wide);
+        for by in buckets.rows(p.y - wide, p.y + wide) {
+            let dy_sq = gap_sq(p.y, buckets.origin.y + by as f64 * buckets.size);
+            for bx in columns.clone() {
+                let b = by * buckets.nx + bx;
+                let dz = (self.low[b] - p.z).max(0.0);
+                let dx_sq = gap_sq(p.x, buckets.origin.x + bx as f64 * buckets.size);
+                if dx_sq + dy_sq + dz * dz > within_sq {
+                    continue;
+                }
+                let near = buckets.of(b).iter().map(|&i| &self.curtains[i as usize]);
+                out.extend(near.filter(|c| c.distance_sq(p) <= within_sq));
+            }
+        }
+    }
+
+    /// From a coordinate to a bucket's span that begins at `first`, a hair less.
+    #[inline]
+    fn gap(&self, v: f64, first: f64) -> f64 {
+        let size = self.buckets.size;
+        ((first - v).max(v - first - size) - 1e-5 * size).max(0.0)
+    }
+
     /// Distance from a point to the nearest curtain, mm; `+inf` when none comes as near as `limit`. Below one radius: the point
     /// is cut away. `expected` is where in plan the nearest centre may be: a good guess is quick, a bad one is only slower.
     pub fn distance(&self, p: &Point, limit: f64, expected: &Point2) -> f64 {
@@ -81,10 +114,7 @@ impl Paths {
         let guess = buckets.row(expected.y) * buckets.nx + buckets.column(expected.x);
         self.look(guess, p, &mut near);
         // Nothing in a bucket is nearer than its box, which begins at its lowest centre.
-        let gap_sq = |v: f64, first: f64| {
-            let gap = (first - v).max(v - first - size) - 1e-5 * size;
-            gap.max(0.0).powi(2)
-        };
+        let gap_sq = |v: f64, first: f64| self.gap(v, first).powi(2);
         let within = near.best_sq.sqrt() + 1e-4 * size;
         let columns = buckets.columns(p.x - within, p.x + within);
         for by in buckets.rows(p.y - within, p.y + within) {
@@ -158,7 +188,7 @@ struct Near {
 
 /// The vertical strip above one segment, with what every distance to it needs.
 #[derive(Clone, Copy, Debug)]
-struct Curtain {
+pub(crate) struct Curtain {
     from: Point,
     /// Direction in plan; zero for an upright segment.
     ux: f64,
@@ -187,7 +217,7 @@ impl Curtain {
         }
     }
 
-    fn distance_sq(&self, p: &Point) -> f64 {
+    pub(super) fn distance_sq(&self, p: &Point) -> f64 {
         let r = p - self.from;
         if self.plan == 0.0 {
             let below = (self.rise.min(0.0) - r.z).max(0.0);

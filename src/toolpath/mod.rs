@@ -18,6 +18,7 @@ mod border;
 mod calm;
 pub mod chain;
 mod corner;
+mod crests;
 pub mod curve;
 mod detail;
 mod estimate;

@@ -301,7 +301,7 @@ pub fn plan<'g>(
     stage(Stage::Reachable);
     let step = sweep_step(&ground.cutter, options.scallop);
     let stepover = flat_stepover(options.scallop, ground.cutter.radius());
-    let reach = ReachTiles::new(&ground.cutter, step, far(stepover, step) as usize + 1);
+    let reach = ReachTiles::new(&ground.cutter, step, far(stepover, step) as usize + 2);
     let air = OnceLock::new();
     let detail = Detail::find(part, ground, options);
     let bench = Bench {
