@@ -192,6 +192,7 @@ struct MillJson<'a> {
     fit: FitJson,
     walls: WallsJson,
     rest_tolerance_mm: f64,
+    rest_plan_mm2: f64,
     rest_surface_mm2: f64,
     rest_spots: usize,
     rest: Vec<RestJson>,
@@ -724,6 +725,7 @@ fn mill_json<'a>(
                 .collect(),
         },
         rest_tolerance_mm: a.tool.scallop,
+        rest_plan_mm2: left.plan,
         rest_surface_mm2: left.area,
         rest_spots: left.count,
         rest: left

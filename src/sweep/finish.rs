@@ -6,7 +6,7 @@
 //!  ///////// part //////////  part                                gouge = how deep a ball went into the part's own points
 //! ```
 //! What is judged: every cell whose vertical line hits the part, right to the border. Upright walls have no area in plan and are
-//! not judged here. Areas are those of the surface: cell area times sqrt(1 + slope^2) of the part, at most ten times the cell's;
+//! not judged here. Areas are those of the surface, rest material apart, which is in plan: cell area times sqrt(1 + slope^2) of the part, at most ten times the cell's;
 //! next to a step the slope is that of the cell's own side.
 
 use crate::geom::{Point, Point2};
@@ -26,17 +26,18 @@ pub struct FinishOptions {
     pub scallop: f64,
     /// A cusp higher than this is not a cusp but ground left uncut: it is out of the percentiles and in the uncut area.
     pub uncut_above: f64,
-    /// Where the reachable surface stands more than this above the part, along the normal, the part keeps rest material.
+    /// Where the reachable surface stands more than this above the part, along the normal, the part keeps rest material: what stands
+    /// less than a cusp is a cusp.
     pub rest_above: f64,
 }
 
 impl FinishOptions {
-    /// The usual limits for a cusp height: uncut from ten times as high (0.2 mm at least), rest from 5 um.
+    /// The usual limits for a cusp height: uncut from ten times as high (0.2 mm at least), rest from the height itself.
     pub fn for_scallop(scallop: f64) -> FinishOptions {
         FinishOptions {
             scallop,
             uncut_above: (10.0 * scallop).max(0.2),
-            rest_above: 0.005,
+            rest_above: scallop,
         }
     }
 }
@@ -84,7 +85,9 @@ pub struct FinishStats {
     pub gouge_um_max: f64,
     /// Area left uncut, mm².
     pub uncut_area_mm2: f64,
-    /// Area that no ball of this radius can finish, mm².
+    /// Rest material in plan (seen from above), mm²: where more than the limit for it, usually the cusp height asked for, stays on the
+    /// part, along the normal, wherever this ball goes. Upright walls have no area in plan; [`crate::sweep::rest()`] has the area on the
+    /// surface, walls included.
     pub rest_area_mm2: f64,
     /// Area judged, mm².
     pub judged_area_mm2: f64,
@@ -342,7 +345,7 @@ impl Judge<'_> {
 /// Cusps are looked at between the centres of cells where they may be higher than this share of what is asked for.
 const LOOKED_AT: f64 = 0.95;
 /// ... and where the ball reaches the part but for this share: elsewhere only the cells' centres are known well enough.
-const REACHED: f64 = 0.2;
+const REACHED: f64 = 0.3;
 
 impl Judge<'_> {
     /// The highest cusp anywhere in a cell, mm, if one near the limit may pass through it beside its centre.
@@ -490,7 +493,7 @@ impl Tally {
             keep(&mut self.deepest, spot(gouge, reach.part_z[i]));
         }
         if reach.rest(i) > o.rest_above {
-            self.rest += area;
+            self.rest += AREA_GRAIN as u64;
         }
     }
 

@@ -56,8 +56,10 @@ pub struct RestSpot {
 /// All that the ball leaves.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Rest {
-    /// Area of the part's surface with rest material on it, mm^2.
+    /// Area of the part's surface with rest material on it, upright walls included, mm^2.
     pub area: f64,
+    /// The same seen from above, mm^2.
+    pub plan: f64,
     /// Places, by falling area.
     pub spots: Vec<RestSpot>,
     /// How many places there are, described or not.
@@ -70,6 +72,8 @@ struct Piece {
     at: Point,
     normal: Vector,
     area: f64,
+    /// Seen from above.
+    plan: f64,
     depth: f64,
 }
 
@@ -113,7 +117,12 @@ pub fn rest(part: &Mesh, cutter: &DropCutter, options: &RestOptions) -> Rest {
         .take(options.spots)
         .map(|(area, g)| spot(part, &pieces, g, *area, radius, options))
         .collect();
-    Rest { area, spots, count }
+    Rest {
+        area,
+        plan: pieces.iter().map(|p| p.plan).sum(),
+        spots,
+        count,
+    }
 }
 
 /// The pieces of one triangle that are left.
@@ -160,6 +169,7 @@ fn sample(
                     at: p,
                     normal,
                     area,
+                    plan: area * n.z,
                     depth,
                 });
             }
