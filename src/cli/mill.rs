@@ -4,7 +4,7 @@ use super::args::{PartArgs, ToolArgs, above_zero, parse};
 use super::output::{say, to_stdout, write_json, write_whole};
 use super::progress::Progress;
 use super::show::{self, CriticalJson, FeatureJson, PartJson, StrategyJson};
-use super::{Failure, pictures};
+use super::{Failure, pictures, rest_picture};
 use crate::machine::{DEFAULT_MACHINE, Machine};
 use crate::part::{Loaded, Placement};
 use crate::post::{Coolant, Job, Post, write};
@@ -505,6 +505,14 @@ pub fn run(a: &MillArgs) -> Result<ExitCode, Failure> {
             &ground,
             &planned,
             &verdict,
+            a.tool.scallop,
+        )?;
+        rest_picture::draw(
+            dir,
+            &pictures::Subject::new(&a.part, &placement, a.picture_width),
+            verdict.map.as_ref(),
+            verdict.finish.as_ref(),
+            &left,
             a.tool.scallop,
         )?;
     }

@@ -11,6 +11,7 @@ pub mod machines;
 pub mod mill;
 pub mod output;
 mod pictures;
+mod rest_picture;
 pub mod ports;
 pub mod posts;
 mod progress;

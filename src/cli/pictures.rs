@@ -41,7 +41,7 @@ impl<'a> Subject<'a> {
         }
     }
 
-    fn name(&self) -> String {
+    pub(super) fn name(&self) -> String {
         self.part
             .file_name()
             .map(|n| n.to_string_lossy().into_owned())
@@ -128,7 +128,7 @@ pub fn function_on_mesh(
     .map_err(failed)
 }
 
-fn failed(e: PictureError) -> Failure {
+pub(super) fn failed(e: PictureError) -> Failure {
     Failure::failed(e)
 }
 
@@ -142,7 +142,7 @@ fn raster_of_grid<T>(g: &ToolCentreGrid, values: Vec<T>) -> Raster<T> {
     }
 }
 
-fn raster_of_lattice<T>(l: &Lattice, values: Vec<T>) -> Raster<T> {
+pub(super) fn raster_of_lattice<T>(l: &Lattice, values: Vec<T>) -> Raster<T> {
     Raster {
         origin: l.origin,
         step: l.step,

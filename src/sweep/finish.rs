@@ -57,6 +57,8 @@ pub struct CuspMap {
     pub gouge_mm: Vec<f32>,
     /// Top of the part, work coordinates, mm; NaN off the part.
     pub part_mm: Vec<f32>,
+    /// Height of the reachable surface above the part, along the normal, to first order, mm; NaN where not judged.
+    pub rest_mm: Vec<f32>,
 }
 
 /// Cusp heights in micrometres by share of the judged, cut area: `p99` = 99 % of it is at or below.
@@ -231,25 +233,27 @@ impl CuspMap {
             cusp_mm: vec![f32::NAN; lattice.len()],
             gouge_mm: vec![f32::NAN; lattice.len()],
             part_mm: vec![f32::NAN; lattice.len()],
+            rest_mm: vec![f32::NAN; lattice.len()],
         }
     }
 
     fn place(&mut self, part: &MapPart, first: [usize; 2]) {
         for (row, cells) in part.cells.chunks_exact(part.nx.max(1)).enumerate() {
             let at = self.lattice.index(first[0], first[1] + row);
-            for (k, [cusp, gouge, top]) in cells.iter().enumerate() {
+            for (k, [cusp, gouge, top, rest]) in cells.iter().enumerate() {
                 self.cusp_mm[at + k] = *cusp;
                 self.gouge_mm[at + k] = *gouge;
                 self.part_mm[at + k] = *top;
+                self.rest_mm[at + k] = *rest;
             }
         }
     }
 }
 
-/// A tile of the map: cusp, gouge, height of the part.
+/// A tile of the map: cusp, gouge, height of the part, rest material.
 struct MapPart {
     nx: usize,
-    cells: Vec<[f32; 3]>,
+    cells: Vec<[f32; 4]>,
 }
 
 /// What judging a cell needs beside the cell.
@@ -282,13 +286,13 @@ impl Judge<'_> {
         let ny = core.rows.end.div_ceil(self.factor) - y0;
         let mut part = MapPart {
             nx,
-            cells: vec![[f32::NAN; 3]; nx * ny],
+            cells: vec![[f32::NAN; 4]; nx * ny],
         };
         for iy in core.rows.clone() {
             for ix in core.columns.clone() {
                 let i = lattice.index(ix - wide.columns.start, iy - wide.rows.start);
                 let at = (iy / self.factor - y0) * nx + ix / self.factor - x0;
-                let [worst_cusp, worst_gouge, highest] = &mut part.cells[at];
+                let [worst_cusp, worst_gouge, highest, rest] = &mut part.cells[at];
                 // Of several the highest; max takes a number rather than NaN.
                 *highest = highest.max(reach.part_z[i] as f32);
                 if reach.part_z[i].is_nan() || !reach.reach_z[i].is_finite() {
@@ -308,6 +312,7 @@ impl Judge<'_> {
                 );
                 *worst_cusp = worst_cusp.max(top);
                 *worst_gouge = worst_gouge.max(gouge);
+                *rest = rest.max(reach.rest(i) as f32);
             }
         }
         part

@@ -57,7 +57,7 @@ pub(super) fn tile_bytes(lattice: &Lattice, radius: f64) -> u64 {
     let wide = side(lattice, radius) as u64 + 2 * (radius / lattice.step) as u64 + 128;
     let tile = (wide * wide).min(cells) * WORKING;
     // Not the threads there are: the figure is part of a report that is the same on any machine.
-    kept + tile * WORKERS + 16 * cells.min(crate::sweep::finish::MAP_CELLS as u64)
+    kept + tile * WORKERS + 20 * cells.min(crate::sweep::finish::MAP_CELLS as u64)
 }
 
 impl<'a> ReachTiles<'a> {

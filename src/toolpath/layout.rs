@@ -70,7 +70,7 @@ const LAID_TWICE: usize = 3_000_000;
 const FILL_SHARE: f64 = 0.005;
 /// Fill where a cusp is higher than this share of what is wanted: below it lie what a lattice and a facet do to a measurement, and
 /// hundreds of bits whose links cost more than they mend.
-pub const FILL_START: f64 = 1.0;
+pub const FILL_START: f64 = 1.015;
 /// Corners are rounded to at most this share of the stepover: wider arcs leave a cusp that costs more to fill.
 const CORNER: f64 = 0.6;
 /// Ends of passes further apart than this many stepovers are not joined into a chain.
