@@ -11,10 +11,10 @@ pub mod machines;
 pub mod mill;
 pub mod output;
 mod pictures;
-mod rest_picture;
 pub mod ports;
 pub mod posts;
 mod progress;
+mod rest_picture;
 pub mod send;
 mod show;
 

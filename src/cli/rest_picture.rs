@@ -38,7 +38,10 @@ pub fn draw(
             || "no ball".to_string(),
             |r| format!("ball {:.2}", (200.0 * r).floor() / 100.0),
         );
-        format!("X{:.1} Y{:.1}: {:.2} mm, {ball}", s.place.x, s.place.y, s.depth)
+        format!(
+            "X{:.1} Y{:.1}: {:.2} mm, {ball}",
+            s.place.x, s.place.y, s.depth
+        )
     }));
     let drawn = heat_map(&HeatMap {
         title: &format!("{}: rest material", of.name()),

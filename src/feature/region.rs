@@ -37,44 +37,52 @@ impl FeatureKind {
     }
 }
 
-/// A scalar on a rectangle of the grid's nodes.
+/// A scalar on some of the grid's nodes, row by row: of each row the nodes from the first to the last that have a value. Features are
+/// long and bent; a rectangle round each would be several times as large as the part.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Window {
-    /// First column and row.
-    pub first: [usize; 2],
-    /// Columns and rows.
-    pub size: [usize; 2],
-    /// Values, row-major; +inf where there is none.
+    /// Number of the first row in the grid.
+    pub first_row: usize,
+    /// For each row its first column, and where its values begin in `value`; they end where those of the next row begin.
+    pub rows: Vec<(u32, u32)>,
+    /// Values, row by row; +inf where there is none.
     pub value: Vec<f64>,
 }
 
 impl Window {
     /// Copies the values at `nodes` out of a whole-grid array; everything else is +inf.
     pub fn around(grid: &ToolCentreGrid, nodes: &[u32], of: &[f64]) -> Window {
-        let (mut lo, mut hi) = ([usize::MAX; 2], [0usize; 2]);
-        for &n in nodes {
-            let at = [n as usize % grid.nx, n as usize / grid.nx];
-            for k in 0..2 {
-                lo[k] = lo[k].min(at[k]);
-                hi[k] = hi[k].max(at[k]);
-            }
+        let place = |n: u32| (n as usize % grid.nx, n as usize / grid.nx);
+        // What is +inf need not be kept.
+        let kept = || {
+            nodes
+                .iter()
+                .copied()
+                .filter(|&n| of[n as usize] < f64::INFINITY)
+        };
+        let lo = kept().map(|n| place(n).1).min().unwrap_or(0);
+        let hi = kept().map(|n| place(n).1 + 1).max().unwrap_or(0);
+        // First column, and the one past the last.
+        let mut spans = vec![(usize::MAX, 0); hi - lo];
+        for (x, y) in kept().map(place) {
+            let s = &mut spans[y - lo];
+            *s = (s.0.min(x), s.1.max(x + 1));
         }
-        if nodes.is_empty() {
-            return Window {
-                first: [0, 0],
-                size: [0, 0],
-                value: Vec::new(),
-            };
+        let mut rows = Vec::with_capacity(spans.len());
+        let mut len = 0;
+        for (from, to) in spans {
+            rows.push((from.min(to) as u32, len as u32));
+            len += to.saturating_sub(from);
         }
-        let size = [hi[0] - lo[0] + 1, hi[1] - lo[1] + 1];
-        let mut value = vec![f64::INFINITY; size[0] * size[1]];
-        for &n in nodes {
-            let (x, y) = (n as usize % grid.nx, n as usize / grid.nx);
-            value[(y - lo[1]) * size[0] + x - lo[0]] = of[n as usize];
+        let mut value = vec![f64::INFINITY; len];
+        for n in kept() {
+            let (x, y) = place(n);
+            let (from, at) = rows[y - lo];
+            value[at as usize + x - from as usize] = of[n as usize];
         }
         Window {
-            first: lo,
-            size,
+            first_row: lo,
+            rows,
             value,
         }
     }
@@ -83,14 +91,21 @@ impl Window {
     #[inline]
     pub fn at(&self, grid: &ToolCentreGrid, node: usize) -> f64 {
         let (x, y) = (node % grid.nx, node / grid.nx);
-        if x < self.first[0]
-            || y < self.first[1]
-            || x >= self.first[0] + self.size[0]
-            || y >= self.first[1] + self.size[1]
-        {
+        let row = y.wrapping_sub(self.first_row);
+        let Some(&(from, at)) = self.rows.get(row) else {
             return f64::INFINITY;
+        };
+        let end = self
+            .rows
+            .get(row + 1)
+            .map_or(self.value.len(), |next| next.1 as usize);
+        // Before the first column wraps round to far past the last.
+        let k = (at as usize).saturating_add(x.wrapping_sub(from as usize));
+        if k < end && k >= at as usize {
+            self.value[k]
+        } else {
+            f64::INFINITY
         }
-        self.value[(y - self.first[1]) * self.size[0] + x - self.first[0]]
     }
 }
 

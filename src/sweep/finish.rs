@@ -300,7 +300,9 @@ impl Judge<'_> {
                 }
                 let stretch = stretch(reach, i);
                 let (cusp, gouge) = self.cell(reach, i, swept_z[i], stretch);
-                let top = self.top(reach, i, swept_z).map_or(cusp, |top| cusp.max(top));
+                let top = self
+                    .top(reach, i, swept_z)
+                    .map_or(cusp, |top| cusp.max(top));
                 let area = (stretch * AREA_GRAIN).round() as u64;
                 tally.cell(
                     self,
@@ -357,8 +359,7 @@ impl Judge<'_> {
     fn top(&self, reach: &Reachable, i: usize, swept_z: &[f64]) -> Option<f32> {
         let part = self.part?;
         let (l, h, radius) = (&reach.lattice, self.options.scallop, reach.radius);
-        let height =
-            |i: usize| (swept_z[i] - reach.reach_z[i]) * f64::from(reach.normal_z[i]);
+        let height = |i: usize| (swept_z[i] - reach.reach_z[i]) * f64::from(reach.normal_z[i]);
         let own = height(i);
         let missed = (2.0 * h / radius).sqrt() * 0.71 * l.step;
         let enough = (LOOKED_AT - peak::SLACK) * h;

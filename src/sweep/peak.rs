@@ -214,10 +214,7 @@ pub fn highest(look: &Look, part: &DropCutter, paths: &Paths, enough: f64) -> f6
                 if (du == 0.0 && dv == 0.0) || s.abs() > 0.5 || t.abs() > 0.5 {
                     continue;
                 }
-                let (x, y) = (
-                    look.center.x + s * look.step,
-                    look.center.y + t * look.step,
-                );
+                let (x, y) = (look.center.x + s * look.step, look.center.y + t * look.step);
                 let Some(z) = part.surface_z(x, y) else {
                     continue;
                 };

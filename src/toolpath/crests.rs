@@ -387,9 +387,7 @@ fn crests_of(at: &Seen, far: i64, options: &FillOptions) -> (Vec<Crest>, Vec<Loo
         } else {
             Places::center(&look)
         };
-        let paths = paths.get_or_insert_with(|| {
-            Paths::new(at.segments, 0.25 * r.radius, area(l))
-        });
+        let paths = paths.get_or_insert_with(|| Paths::new(at.segments, 0.25 * r.radius, area(l)));
         places.cut(&look, paths, &mut curtains);
         looked.push((i, look.center.z, rest as f32, places));
         if places.furthest().1 - r.radius - rest <= start {
@@ -519,12 +517,10 @@ mod tests {
                 let mut crests = Crests::new(&tiles, &segments, &HOW);
                 let first = crests.standing(&HOW);
                 crests.cut(&segments[..200]);
-                crests.cut(
-                    &[Segment {
-                        from: Point::new(3.0, 3.0, 2.0),
-                        to: Point::new(20.0, 15.0, 2.0),
-                    }],
-                );
+                crests.cut(&[Segment {
+                    from: Point::new(3.0, 3.0, 2.0),
+                    to: Point::new(20.0, 15.0, 2.0),
+                }]);
                 (first, crests, judged(&tiles, &segments))
             })
         };

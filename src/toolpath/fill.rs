@@ -3,8 +3,8 @@
 //! Cusps are judged against what this ball *can* reach ([`crate::sweep::Reachable`]), not against the ideal surface: facets, noise and tight
 //! corners are the part's, not ours.
 
-use super::fit::{FitOptions, resample, smooth};
 use super::crests::Crests;
+use super::fit::{FitOptions, resample, smooth};
 use super::pass::{Pass, PassKind, laid};
 use super::skeleton::middle_lines;
 use super::stroke::strokes;
