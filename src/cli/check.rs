@@ -282,7 +282,7 @@ fn print(out: &mut dyn Write, report: &Report, args: &CheckArgs) -> std::io::Res
         )?;
         writeln!(
             out,
-            "surface   gouge {:.2} um, uncut {:.3} mm2, rest {:.2} mm2 of {:.1} mm2 judged",
+            "surface   gouge {:.2} um, uncut {:.3} mm2, rest {:.2} mm2 in plan; {:.1} mm2 judged",
             f.gouge_um_max, f.uncut_area_mm2, f.rest_area_mm2, f.judged_area_mm2
         )?;
     }

@@ -200,8 +200,11 @@ struct MillJson<'a> {
     fill: FillJson,
     fit: FitJson,
     walls: WallsJson,
+    /// Rest material is where more than this stays, along the normal, wherever the ball goes.
     rest_tolerance_mm: f64,
+    /// Its area seen from above (what `finish.rest_area_mm2` measures cell by cell, to a percent or so) ...
     rest_plan_mm2: f64,
+    /// ... and on the part's surface, upright walls included.
     rest_surface_mm2: f64,
     rest_spots: usize,
     rest: Vec<RestJson>,

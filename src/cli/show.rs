@@ -425,7 +425,7 @@ pub fn verdict(w: &mut dyn Write, d: &DryRun, scallop: f64) -> io::Result<()> {
         )?;
         writeln!(
             w,
-            "gouge      {:.2} um deepest; uncut {:.3} mm2; rest material {:.2} mm2",
+            "gouge      {:.2} um deepest; uncut {:.3} mm2; rest material {:.2} mm2 in plan",
             f.gouge_um_max, f.uncut_area_mm2, f.rest_area_mm2
         )?;
     }
@@ -453,7 +453,7 @@ pub fn rest(w: &mut dyn Write, rest: &Rest, tolerance: f64) -> io::Result<()> {
     );
     writeln!(
         w,
-        "rest material: {:.1} mm2 in {} place{}; the largest {:.1} mm2, {:.3} mm deep at X{:.2} Y{:.2} Z{:.2}: {ball}",
+        "rest material: {:.1} mm2 on the surface in {} place{}; the largest {:.1} mm2, {:.3} mm deep at X{:.2} Y{:.2} Z{:.2}: {ball}",
         rest.area,
         rest.count,
         if rest.count == 1 { "" } else { "s" },

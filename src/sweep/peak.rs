@@ -74,9 +74,9 @@ pub fn reached(r: &Reachable, i: usize, but: f64) -> bool {
 /// The distances of the ball from places of the part in a cell: how far it has been from each at least, mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Places {
-    /// Heights of the part, from that of the cell's centre; NaN off the part.
+    /// Heights of the part, from that of the cell's centre; +inf off the part.
     z: [f32; PLACES],
-    /// The last is the cell's own centre.
+    /// 0 where there is no part. The last is the cell's own centre.
     distance: [f32; PLACES + 1],
 }
 
@@ -127,10 +127,10 @@ fn nearest(curtains: &[Curtain], p: &Point) -> f64 {
 impl Places {
     /// The centre alone.
     pub fn center(look: &Look) -> Places {
-        let mut distance = [f32::NAN; PLACES + 1];
+        let mut distance = [0.0; PLACES + 1];
         distance[PLACES] = look.limit as f32;
         Places {
-            z: [f32::NAN; PLACES],
+            z: [f32::INFINITY; PLACES],
             distance,
         }
     }
@@ -151,7 +151,8 @@ impl Places {
     /// How far the furthest corner of the cell is from its centre at most, mm.
     fn spread(&self, look: &Look) -> f64 {
         // Corners lie a third further out than the outermost places.
-        let rise = self.z.iter().fold(0.0, |b: f32, z| b.max(z.abs()));
+        let there = self.z.iter().filter(|z| z.is_finite());
+        let rise = there.fold(0.0, |b: f32, z| b.max(z.abs()));
         (0.71 * look.step).hypot(1.5 * f64::from(rise))
     }
 
@@ -168,12 +169,12 @@ impl Places {
         }
         let own = own.min(before);
         self.distance[PLACES] = own as f32;
-        if self.distance[..PLACES].iter().all(|d| d.is_nan()) {
+        if self.z.iter().all(|z| !z.is_finite()) {
             return;
         }
         paths.around(&look.center, own + spread, near);
         for k in 0..PLACES {
-            if !self.z[k].is_nan() {
+            if self.z[k].is_finite() {
                 let d = nearest(near, &look.point(k, f64::from(self.z[k]))) as f32;
                 self.distance[k] = self.distance[k].min(d);
             }
@@ -182,7 +183,7 @@ impl Places {
 
     /// The furthest the ball has stayed away from any of the places, and which; the last number is the centre.
     pub fn furthest(&self) -> (usize, f64) {
-        // Of equals the first; a NaN is never more.
+        // Of equals the first.
         let start = (PLACES, f64::from(self.distance[PLACES]));
         (0..PLACES).fold(start, |b, k| {
             let d = f64::from(self.distance[k]);
@@ -238,4 +239,148 @@ pub fn expected(center: &Point2, step: f64, by: [i16; 2]) -> Point2 {
         center.x + step * f64::from(by[0]),
         center.y + step * f64::from(by[1]),
     )
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::part::Mesh;
+    use crate::sweep::tiles::area;
+    use crate::sweep::{Segment, Swept, reachable};
+
+    const R: f64 = 3.0;
+    const STEP: f64 = 0.05;
+
+    /// A plane that rises in y, and passes across the slope, `w` apart on it, that come nowhere near the lattice's own directions.
+    fn sloping(slope: f64, w: f64) -> (Mesh, Vec<Segment>) {
+        let p = |x: f64, y: f64| Point::new(x, y, slope * y);
+        let mesh = Mesh {
+            triangles: vec![
+                [p(0.0, 0.0), p(8.0, 0.0), p(8.0, 8.0)],
+                [p(0.0, 0.0), p(8.0, 8.0), p(0.0, 8.0)],
+            ],
+        };
+        let c = 1.0 / (1.0 + slope * slope).sqrt();
+        // Along the slope and level.
+        let (up, flat) = ([0.0, c, slope * c], [1.0, 0.0, 0.0]);
+        let (s, t) = 0.4f64.sin_cos();
+        let along: Vec<f64> = (0..3).map(|k| t * flat[k] + s * up[k]).collect();
+        let across: Vec<f64> = (0..3).map(|k| t * up[k] - s * flat[k]).collect();
+        let segments = (-20..40)
+            .map(|k| {
+                let at = |u: f64| {
+                    let d = |i: usize| along[i] * u + across[i] * w * f64::from(k);
+                    Point::new(4.0 + d(0), d(1) - R * slope * c, d(2) + R * c)
+                };
+                Segment {
+                    from: at(-20.0),
+                    to: at(20.0),
+                }
+            })
+            .collect();
+        (mesh, segments)
+    }
+
+    /// Two flanks of equal passes, seen at cells that miss the crest by anything: where they meet is known to a micrometre or so.
+    #[test]
+    fn flanks_tell_the_crest() {
+        let w = 0.7;
+        let top = 1e3 * (R - (R * R - w * w / 4.0).sqrt());
+        for miss in [0.0, 0.1, 0.25, 0.4, 0.5] {
+            let height = |x: i64, _: i64| {
+                let from_crest = (x as f64 - miss) * STEP;
+                let s = 0.5 * w - from_crest.abs();
+                1e3 * (R - (R * R - s * s).sqrt())
+            };
+            // In micrometres throughout.
+            let seen = crest(height, 1e3 * STEP * STEP / (2.0 * R));
+            // Along the crest nothing bends, and is taken to: a little too high.
+            assert!(
+                seen > top - 0.05 && seen < top + 0.5,
+                "{miss}: {seen} {top}"
+            );
+            assert!(height(0, 0) <= seen);
+        }
+    }
+
+    /// Nowhere to meet, nothing made up: on one flank the cell's own height stands, and what is not there counts for nothing.
+    #[test]
+    fn a_flank_is_no_crest() {
+        assert!(crest(|x, _| 3.0 * x as f64, 0.01) < 0.02);
+        assert_eq!(
+            crest(
+                |x, y| if (x, y) == (0, 0) {
+                    7.0
+                } else {
+                    f64::NEG_INFINITY
+                },
+                0.01
+            ),
+            7.0
+        );
+    }
+
+    /// On a plane the highest place between two passes is R - sqrt(R^2 - w^2 / 4) above it, whatever the slope; no cell's centre sees as
+    /// much, the look between them does.
+    #[test]
+    fn the_highest_place_of_a_crest_is_found() {
+        let w = 0.68;
+        let top = R - (R * R - w * w / 4.0).sqrt();
+        for slope in [0.0, 0.5, 1.5] {
+            let (mesh, segments) = sloping(slope, w);
+            let drop = DropCutter::new(&mesh, R);
+            let r = reachable(&drop, STEP);
+            let paths = Paths::new(&segments, 0.25 * R, area(&r.lattice));
+            let mut swept = Swept::new(r.lattice);
+            swept.cut(&segments, R);
+            let mut best: f64 = 0.0;
+            for i in 0..r.lattice.len() {
+                let q = r.lattice.center_at(i);
+                if !(3.0..4.0).contains(&q.x) || !(3.0..4.0).contains(&q.y) {
+                    continue;
+                }
+                assert!(reached(&r, i, 1e-4));
+                let look = Look::at(&r, i, r.part_z[i]);
+                let d = highest(&look, &drop, &paths, 0.0) - R;
+                assert!(
+                    d <= 1.001 * top
+                        && d >= (swept.z[i] - r.part_z[i]) / (1.0 + slope * slope).sqrt() - 1e-3
+                );
+                best = best.max(d);
+            }
+            // Distances from the surface, cusps above it: they differ in the second order, h^2 / R.
+            assert!((best - top).abs() < 3e-4, "{slope}: {best} {top}");
+        }
+    }
+
+    /// However the moves are dealt out, each place keeps its distance from the nearest of them.
+    #[test]
+    fn places_keep_their_distance_from_all_moves() {
+        let (mesh, segments) = sloping(0.7, 0.5);
+        let drop = DropCutter::new(&mesh, R);
+        let r = reachable(&drop, STEP);
+        let all = Paths::new(&segments, 0.25 * R, area(&r.lattice));
+        let dealt: Vec<Paths> = (0..3)
+            .map(|k| {
+                let some: Vec<Segment> = segments.iter().skip(k).step_by(3).copied().collect();
+                Paths::new(&some, 0.25 * R, area(&r.lattice))
+            })
+            .collect();
+        for (x, y) in [(3.3, 3.1), (4.0, 5.0), (2.7, 6.6), (0.02, 4.0)] {
+            let (ix, iy) = r.lattice.nearest(x, y).unwrap();
+            let i = r.lattice.index(ix, iy);
+            let look = Look::at(&r, i, r.part_z[i]);
+            let mut places = Places::all(&look, &drop);
+            let mut near = Vec::new();
+            for p in &dealt {
+                places.cut(&look, p, &mut near);
+            }
+            for k in (0..PLACES).filter(|&k| places.z[k].is_finite()) {
+                let p = look.point(k, f64::from(places.z[k]));
+                let want = all.distance(&p, look.limit, &p.xy()).min(look.limit);
+                assert!((f64::from(places.distance[k]) - want).abs() < 1e-6, "{k}");
+            }
+        }
+    }
 }

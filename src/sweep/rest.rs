@@ -20,7 +20,7 @@ use std::collections::BTreeMap;
 /// How rest material is looked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RestOptions {
-    /// Less than this, along the normal, is no rest material, mm.
+    /// Less than this, along the normal, is no rest material, mm: usually the cusp height asked for.
     pub tolerance: f64,
     /// Spots to describe at most, largest first.
     pub spots: usize,
@@ -461,6 +461,8 @@ mod tests {
             "{} {want}",
             rest.area
         );
+        // Flanks at 45 degrees, seen from above.
+        assert!((rest.plan * 2f64.sqrt() / rest.area - 1.0).abs() < 1e-9);
         assert_eq!(rest.count, 1);
         let spot = rest.spots[0];
         assert!(

@@ -532,8 +532,8 @@ mod tests {
         );
         for (side, threads) in [(128, 1), (192, 2), (320, 3)] {
             let tiled = run(side, threads);
-            assert_eq!(whole.0, tiled.0);
-            assert_eq!(whole.1, tiled.1);
+            assert!(whole.0 == tiled.0);
+            assert!(whole.1 == tiled.1);
             assert_eq!(whole.2.stats, tiled.2.stats);
             let bits = |v: &[f32]| v.iter().map(|c| c.to_bits()).collect::<Vec<_>>();
             assert_eq!(bits(&whole.2.map.cusp_mm), bits(&tiled.2.map.cusp_mm));

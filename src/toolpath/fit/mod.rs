@@ -140,7 +140,11 @@ fn fit_ends(
         .filter(|r| !r.is_empty())
         .map(|r| {
             let vertices = spread::spread(&r, options);
-            prove::place_and_prove(cutter, &vertices, ends.filter(|_| whole), options)
+            let mut proven =
+                prove::place_and_prove(cutter, &vertices, ends.filter(|_| whole), options);
+            // Many are kept: the room they grew in must not be.
+            proven.shrink_to_fit();
+            proven
         })
         .collect()
 }
