@@ -6,6 +6,7 @@
 //!   '------------------          the chain ends; `order` and `link` take over
 //! ```
 
+use super::bridge::{End, surface_or_bridge};
 use super::fit::{FitOptions, fit_between};
 use super::link::LinkOptions;
 use super::pass::{Pass, PassKind};
@@ -155,11 +156,9 @@ fn lay(
             }
             p.closed = false;
         }
-        if let (Some(way), Some(last)) = (way, run.last().and_then(|q| q.points.last().copied())) {
-            match p
-                .points
-                .first()
-                .and_then(|to| surface_link(cutter, &way, &last, to, links, fitting))
+        if let (Some(way), Some(last)) = (way, run.last().and_then(|q| End::after(&q.points))) {
+            match End::before(&p.points)
+                .and_then(|to| surface_or_bridge(cutter, &way, &last, &to, links, fitting))
             {
                 Some(points) => run.push(Pass {
                     kind: PassKind::Turn,

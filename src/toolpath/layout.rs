@@ -46,7 +46,7 @@ impl Layout {
 /// Everything a layout is laid with.
 pub(super) struct Bench<'a> {
     pub ground: &'a Ground,
-    pub detail: &'a Detail<'a>,
+    pub detail: &'a Detail,
     pub reach: &'a ReachTiles<'a>,
     pub part: &'a Mesh,
     /// Laid over the part when the first link is: on a large part it need not be there before.
@@ -237,9 +237,9 @@ fn lay_at(bench: &Bench, layout: &Layout, share: f64, stage: &mut dyn FnMut(Stag
         regions = regions_of(ground, layout, spaced_for, &metric);
     }
     let mut laid = passes(grid, cutter, &regions, &shape, &detail.steep, &fitting);
-    let (down, too_deep) = detail.walls(ground, &regions, &fitting);
-    laid.extend(down);
-    let pencils = detail.pencils(ground, &regions, &laid, options.scallop, &fitting);
+    let walls = detail.walls(ground, &regions);
+    laid.extend(walls.passes);
+    let pencils = detail.pencils(ground, &regions, &laid, options.scallop);
     laid.extend(pencils);
     drop(metric);
     let how = ChainOptions {
@@ -278,7 +278,8 @@ fn lay_at(bench: &Bench, layout: &Layout, share: f64, stage: &mut dyn FnMut(Stag
         section_features,
         fitting,
         spaced_for,
-        too_deep,
+        too_deep: walls.too_deep,
+        uncut_wall: walls.uncut,
         saddles: Vec::new(),
         layout: layout.clone(),
         figures,

@@ -1,8 +1,9 @@
 //! Linking: from the end of one pass to the start of the next, along the surface when that is proven and quicker, else through the
 //! air, no higher than needed.
 
+use super::bridge::{End, surface_or_bridge};
 use super::calm::calm;
-use super::chain::{Chain, exit, quickest_turn, start, surface_link};
+use super::chain::{Chain, exit, quickest_turn, start};
 use super::fit::FitOptions;
 use super::lead::{self, Lead};
 use super::moves::{Move, MoveKind, Section, Toolpath};
@@ -303,7 +304,11 @@ fn between(
     if time > limit {
         return Link::Hop(hop);
     }
-    let Some(points) = surface_link(cutter, &way, &a, &b, options, fitting) else {
+    let run = from.run();
+    let (Some(leaves), Some(arrives)) = (End::after(&run), End::before(&to.run())) else {
+        return Link::Hop(hop);
+    };
+    let Some(points) = surface_or_bridge(cutter, &way, &leaves, &arrives, options, fitting) else {
         return Link::Hop(hop);
     };
     let length: f64 = points.windows(2).map(|w| (w[1] - w[0]).norm()).sum();
