@@ -15,7 +15,7 @@
 use super::chain::surface_link;
 use super::fit::FitOptions;
 use super::link::LinkOptions;
-use super::turn::Turn;
+use super::turn::{Turn, turn};
 use crate::geom::{Point, Point2, Vector};
 use crate::reach::{DropCutter, Hint};
 
@@ -80,24 +80,47 @@ pub fn surface_or_bridge(
     links: &LinkOptions,
     fitting: &FitOptions,
 ) -> Option<Vec<Point>> {
-    let length = |run: &[Point]| run.windows(2).map(|w| (w[1] - w[0]).norm()).sum::<f64>();
     let direct = way.length.hypot(to.at.z - from.at.z);
-    let along = surface_link(cutter, way, &from.at, &to.at, links, fitting);
+    let along =
+        surface_link(cutter, way, &from.at, &to.at, links, fitting).filter(|run| !climbs(run));
     if along.as_ref().is_some_and(|a| length(a) <= DETOUR * direct) {
         return along;
     }
     let mut best = along;
-    let others = [
-        half_circle(cutter, from, to, 0.5 * fitting.probe),
-        bridge(cutter, &way.points(GAP), from, to),
-    ];
-    for other in others.into_iter().flatten() {
-        if best.as_ref().is_none_or(|b| length(&other) < length(b)) {
-            best = Some(other);
+    let mut offer = |other: Option<Vec<Point>>| {
+        if let Some(o) = other
+            && best.as_ref().is_none_or(|b| length(&o) < length(b))
+        {
+            best = Some(o);
         }
+    };
+    offer(half_circle(cutter, from, to, 0.5 * fitting.probe));
+    offer(bridge(cutter, &way.points(GAP), from, to));
+    if best.is_some() {
+        return best;
     }
-    best
+    // A longer way in plan is a gentler way up.
+    let (start, end) = way.ends();
+    WIDER.iter().find_map(|r| {
+        let wide = turn(&start, &end, *r);
+        bridge(cutter, &wide.points(GAP), from, to)
+    })
 }
+
+fn length(run: &[Point]) -> f64 {
+    run.windows(2).map(|w| (w[1] - w[0]).norm()).sum()
+}
+
+/// Does a run go straight up or down somewhere?
+fn climbs(run: &[Point]) -> bool {
+    run.windows(2).any(|w| {
+        let d = w[1] - w[0];
+        d.z.abs() > 0.1 && d.xy().norm() < 0.05 * d.z.abs()
+    })
+}
+
+/// Radii of the turns on wider ways, mm.
+const WIDER: [f64; 3] = [1.0, 1.8, 3.0];
 
 /// Ends further apart than this many millimetres are no neighbours.
 const BESIDE: f64 = 3.0;
@@ -155,6 +178,61 @@ pub fn half_circle(cutter: &DropCutter, from: &End, to: &End, probe: f64) -> Opt
         out.push(c);
     }
     Some(out)
+}
+
+/// A way back beside the end of a run, with what is left of both.
+pub struct Back {
+    /// Points of the first run that stay.
+    pub keep: usize,
+    /// From where that is left, round, to where the second is entered.
+    pub points: Vec<Point>,
+    /// What is left of the second run, behind that place.
+    pub rest: Vec<Point>,
+}
+
+/// From the end of one run to the start of the next, which goes back beside it: a half circle beyond their ends where there is room, else
+/// with both ends cut short for it.
+pub fn turned_back(
+    cutter: &DropCutter,
+    first: &[Point],
+    second: &[Point],
+    probe: f64,
+) -> Option<Back> {
+    let back: Vec<Point> = first.iter().rev().copied().collect();
+    let radius = 0.5 * (back.first()? - second.first()?).norm();
+    if radius > 0.5 * BESIDE {
+        return None;
+    }
+    [0.0, 0.5, 1.0, 1.6].iter().find_map(|short| {
+        let (rest, after) = (
+            shortened(&back, short * radius),
+            shortened(second, short * radius),
+        );
+        let mut leaves = End::before(&rest)?;
+        leaves.heading = -leaves.heading;
+        let points = half_circle(cutter, &leaves, &End::before(&after)?, probe)?;
+        Some(Back {
+            // The place where the first was cut short stands first among the points.
+            keep: rest.len() - 1,
+            points,
+            rest: after[1..].to_vec(),
+        })
+    })
+}
+
+/// A run without its first `s` mm: it begins at the place where they end.
+fn shortened(run: &[Point], s: f64) -> Vec<Point> {
+    let mut along = 0.0;
+    for (k, w) in run.windows(2).enumerate() {
+        let l = (w[1] - w[0]).norm();
+        if along + l > s {
+            let mut out = vec![w[0] + (w[1] - w[0]) * ((s - along) / l).max(0.0)];
+            out.extend(&run[k + 1..]);
+            return out;
+        }
+        along += l;
+    }
+    Vec::new()
 }
 
 /// Does the ball enter the part nowhere along a chord? Asked `probe` mm apart.
@@ -486,6 +564,17 @@ mod tests {
         let length: f64 = run.windows(2).map(|w| (w[1] - w[0]).norm()).sum();
         assert!((length / (1.0 + 0.35 * std::f64::consts::PI) - 1.0).abs() < 0.01);
         assert_eq!(half_circle(&cutter, &from, &at(1.0, 1.0), 0.02), None);
+    }
+
+    #[test]
+    fn a_shortened_run_begins_further_on() {
+        let run =
+            [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]].map(|[x, y]| Point::new(x, y, 0.0));
+        assert_eq!(
+            shortened(&run, 5.0),
+            [Point::new(4.0, 1.0, 0.0), run[2], run[3]]
+        );
+        assert!(shortened(&run, 13.0).is_empty());
     }
 
     /// A wall too high for so short a way is not climbed.

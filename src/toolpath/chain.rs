@@ -6,7 +6,7 @@
 //!   '------------------          the chain ends; `order` and `link` take over
 //! ```
 
-use super::bridge::{End, surface_or_bridge};
+use super::bridge::{End, surface_or_bridge, turned_back};
 use super::fit::{FitOptions, fit_between};
 use super::link::LinkOptions;
 use super::pass::{Pass, PassKind};
@@ -149,17 +149,19 @@ fn lay(
     let mut out: Vec<Chain> = Vec::new();
     let mut run: Chain = Vec::new();
     let joined = chain.len() > 1;
+    // The last pass was a loop.
+    let mut whole = false;
     for (mut p, way) in chain {
+        let loops = p.closed;
         if joined && p.closed {
             if let Some(&first) = p.points.first() {
                 p.points.push(first);
             }
             p.closed = false;
         }
-        if let (Some(way), Some(last)) = (way, run.last().and_then(|q| End::after(&q.points))) {
-            match End::before(&p.points)
-                .and_then(|to| surface_or_bridge(cutter, &way, &last, &to, links, fitting))
-            {
+        if let (Some(way), Some(last)) = (way, run.last_mut()) {
+            let turn = joint(cutter, &way, last, &mut p, loops || whole, links, fitting);
+            match turn {
                 Some(points) => run.push(Pass {
                     kind: PassKind::Turn,
                     feature: p.feature,
@@ -170,9 +172,41 @@ fn lay(
             }
         }
         run.push(p);
+        whole = loops;
     }
     out.push(run);
     out
+}
+
+/// The turn from the end of one pass to the start of the next: along the way that was planned, or over what is in it; where neither is
+/// free (both end at the foot of a wall), back beside it with both cut a little short, unless one of them is a loop.
+fn joint(
+    cutter: &DropCutter,
+    way: &Turn,
+    last: &mut Pass,
+    next: &mut Pass,
+    loops: bool,
+    links: &LinkOptions,
+    fitting: &FitOptions,
+) -> Option<Vec<Point>> {
+    let (from, to) = (End::after(&last.points)?, End::before(&next.points)?);
+    if let Some(points) = surface_or_bridge(cutter, way, &from, &to, links, fitting) {
+        return Some(points);
+    }
+    if loops {
+        return None;
+    }
+    let back = turned_back(cutter, &last.points, &next.points, 0.5 * fitting.probe)?;
+    last.points.truncate(back.keep);
+    last.points.extend(back.points.first());
+    next.points = back
+        .points
+        .last()
+        .copied()
+        .into_iter()
+        .chain(back.rest)
+        .collect();
+    Some(back.points)
 }
 
 /// A way in plan as a proven run on the surface between two places of it; `None` where the ball would fall, or climb something steep

@@ -75,6 +75,8 @@ pub const FILL_START: f64 = 1.03;
 const CORNER: f64 = 0.6;
 /// Ends of passes further apart than this many stepovers are not joined into a chain.
 const REACH: f64 = 6.0;
+/// Open level passes shorter than this many stepovers are left to the fills, if anything stands there.
+const BIT: f64 = 0.8;
 /// Cells of the sweep map in a flat stepover: a cusp between two cells is then seen within a few percent.
 pub const CELLS_PER_STEPOVER: f64 = 14.0;
 
@@ -237,6 +239,8 @@ fn lay_at(bench: &Bench, layout: &Layout, share: f64, stage: &mut dyn FnMut(Stag
         regions = regions_of(ground, layout, spaced_for, &metric);
     }
     let mut laid = passes(grid, cutter, &regions, &shape, &detail.steep, &fitting);
+    // What a wall left of a level curve costs more to reach than it cuts.
+    laid.retain(|p| p.kind != PassKind::Level || p.closed || p.length() >= BIT * stepover);
     let walls = detail.walls(ground, &regions);
     laid.extend(walls.passes);
     let pencils = detail.pencils(ground, &regions, &laid, options.scallop);

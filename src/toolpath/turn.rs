@@ -152,6 +152,16 @@ impl Turn {
         out
     }
 
+    /// Where it begins and ends.
+    pub fn ends(&self) -> (Pose, Pose) {
+        let back = self.reversed().from;
+        let to = Pose {
+            heading: -back.heading,
+            ..back
+        };
+        (self.from, to)
+    }
+
     /// The same way gone backwards.
     pub fn reversed(&self) -> Turn {
         let mut heading = angle(&self.from.heading);

@@ -57,8 +57,11 @@ pub(super) fn complete(cutter: &DropCutter, c: &mut Crease, step: f64, angle: f6
         if -u.dot(&v) > CORNER.cos() || gap > reach {
             continue;
         }
-        let first = led_on(cutter, p, &u, reach, step, angle);
-        let second = led_on(cutter, q, &v, reach, step, angle);
+        // Not past the other place: there the chain still runs straight, and its corner comes behind that.
+        let first = led_on(cutter, p, &u, reach, step, angle)
+            .filter(|c| !on_the_way(p, q, c, 0.1 * step));
+        let second = led_on(cutter, q, &v, reach, step, angle)
+            .filter(|c| !on_the_way(q, p, c, 0.1 * step));
         out.extend(first.map(|p| (p, true)));
         if let Some(s) = second
             && first.is_none_or(|f| (f.center.xy() - s.center.xy()).norm() > 2e-3)
@@ -83,6 +86,15 @@ pub(super) fn complete(cutter: &DropCutter, c: &mut Crease, step: f64, angle: f6
         })
         .map(|k| out[k].0)
         .collect();
+}
+
+/// Does place `by` lie between two others, no further than `aside` (mm) beside the straight between them?
+fn on_the_way(from: &CreasePoint, by: &CreasePoint, to: &CreasePoint, aside: f64) -> bool {
+    let way = to.center.xy() - from.center.xy();
+    let d = by.center.xy() - from.center.xy();
+    let l = way.norm();
+    let along = d.dot(&way) / l.max(1e-300);
+    along > 0.0 && along < l && (d.norm_squared() - along * along).max(0.0).sqrt() < aside
 }
 
 /// The last place on the way on from `p` along `d` at which the ball still touches the same two walls; `None` when it does not even

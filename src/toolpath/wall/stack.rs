@@ -10,7 +10,7 @@ use super::WallOptions;
 use super::cross::Cross;
 use crate::geom::{Point, Point2, Vector2};
 use crate::reach::{DropCutter, Hint};
-use crate::toolpath::bridge::{End, half_circle, is_free as free};
+use crate::toolpath::bridge::{is_free as free, turned_back};
 use crate::toolpath::fit::FitOptions;
 
 /// A run moved off its wall and thinned out to what the tolerance needs; proven free along every chord, split where it is not.
@@ -432,53 +432,6 @@ fn heading(run: &[Point]) -> Option<Vector2> {
         .map(|d| d / d.norm())
 }
 
-/// A way back along a wall.
-struct Back {
-    /// Points of the stack that stay.
-    keep: usize,
-    /// From the last of them, round, to the first of the rest.
-    points: Vec<Point>,
-    /// What is left of the lower run.
-    rest: Vec<Point>,
-}
-
-/// From the end of one open run to the start of the next, which goes back below it: a half circle on the wall, beyond their ends where
-/// there is room, else with the ends cut short for it.
-fn turned_back(cutter: &DropCutter, above: &[Point], below: &[Point], probe: f64) -> Option<Back> {
-    let back: Vec<Point> = above.iter().rev().copied().collect();
-    let radius = 0.5 * (back.first()? - below.first()?).norm();
-    [0.0, 0.5, 1.0, 1.6].iter().find_map(|short| {
-        let (rest_above, rest_below) = (
-            shortened(&back, short * radius),
-            shortened(below, short * radius),
-        );
-        let mut leaves = End::before(&rest_above)?;
-        leaves.heading = -leaves.heading;
-        let points = half_circle(cutter, &leaves, &End::before(&rest_below)?, probe)?;
-        Some(Back {
-            // The place where the stack was cut short stands first among the points.
-            keep: rest_above.len() - 1,
-            points,
-            rest: rest_below[1..].to_vec(),
-        })
-    })
-}
-
-/// A run without its first `s` mm: it begins at the place where they end.
-fn shortened(run: &[Point], s: f64) -> Vec<Point> {
-    let mut along = 0.0;
-    for (k, w) in run.windows(2).enumerate() {
-        let l = (w[1] - w[0]).norm();
-        if along + l > s {
-            let mut out = vec![w[0] + (w[1] - w[0]) * ((s - along) / l).max(0.0)];
-            out.extend(&run[k + 1..]);
-            return out;
-        }
-        along += l;
-    }
-    Vec::new()
-}
-
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
@@ -509,13 +462,5 @@ mod tests {
             .map(|w| (w[1] - w[0]).norm())
             .sum();
         assert!((length - 16.0).abs() < 1e-9);
-    }
-
-    #[test]
-    fn a_shortened_run_begins_further_on() {
-        let out = shortened(&square(4.0, 0.0), 5.0);
-        assert_eq!(out[0], Point::new(4.0, 1.0, 0.0));
-        assert_eq!(out.len(), 4);
-        assert!(shortened(&square(4.0, 0.0), 17.0).is_empty());
     }
 }
