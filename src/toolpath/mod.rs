@@ -6,7 +6,7 @@
 //!           -> measured as a draft, the metric evened out, laid again (even)
 //!           -> walls at constant height, pencils along creases (detail, wall, pencil)
 //!           -> dropped onto the part and fitted (fit) -> joined end to end by smooth turns (chain, turn)
-//!           -> swept, and filled where a cusp stands over (fill, stroke, skeleton)
+//!           -> swept, and filled where a cusp stands over (fill, stroke, skeleton, settle)
 //!           -> put in order (order) -> linked along the surface or just over it (bridge), with arcs off and onto it (link, lead) -> moves, arcs
 //! ```
 //!
@@ -34,6 +34,7 @@ pub mod pass;
 pub mod pencil;
 pub mod plan;
 pub mod saddle;
+mod settle;
 mod skeleton;
 mod stroke;
 mod turn;

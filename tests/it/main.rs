@@ -14,6 +14,7 @@ mod part;
 mod reach;
 mod simulate;
 mod toolpath;
+mod walls;
 
 mod hostile;
 mod link;

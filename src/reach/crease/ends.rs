@@ -58,10 +58,10 @@ pub(super) fn complete(cutter: &DropCutter, c: &mut Crease, step: f64, angle: f6
             continue;
         }
         // Not past the other place: there the chain still runs straight, and its corner comes behind that.
-        let first = led_on(cutter, p, &u, reach, step, angle)
-            .filter(|c| !on_the_way(p, q, c, 0.1 * step));
-        let second = led_on(cutter, q, &v, reach, step, angle)
-            .filter(|c| !on_the_way(q, p, c, 0.1 * step));
+        let first =
+            led_on(cutter, p, &u, reach, step, angle).filter(|c| !on_the_way(p, q, c, 0.1 * step));
+        let second =
+            led_on(cutter, q, &v, reach, step, angle).filter(|c| !on_the_way(q, p, c, 0.1 * step));
         out.extend(first.map(|p| (p, true)));
         if let Some(s) = second
             && first.is_none_or(|f| (f.center.xy() - s.center.xy()).norm() > 2e-3)
