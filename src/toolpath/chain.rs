@@ -65,7 +65,10 @@ fn joined(
     links: &LinkOptions,
     fitting: &FitOptions,
 ) -> Vec<Chain> {
-    let reach = options.reach * options.stepover;
+    let reach = Reach {
+        plan: options.reach * options.stepover,
+        rise: 2.0 * options.stepover,
+    };
     let mut left: Vec<Option<Pass>> = passes.into_iter().map(Some).collect();
     let mut ends: Vec<Entries> = left.iter().flatten().map(Entries::of).collect();
     let mut alive: Vec<usize> = (0..left.len()).collect();
@@ -78,8 +81,8 @@ fn joined(
         };
         let mut chain = vec![(start, None)];
         let mut turned = false;
-        while let Some(from) = chain.last().and_then(|(p, _)| exit(p)) {
-            match next(&from, &alive, &ends, reach, links) {
+        while let Some((from, z)) = chain.last().and_then(|(p, _)| leaving(p)) {
+            match next(&from, z, &alive, &ends, &reach, links) {
                 Some((k, way, entry)) => {
                     let i = alive.remove(k);
                     if let Some(mut p) = left[i].take() {
@@ -89,9 +92,9 @@ fn joined(
                 }
                 // An open chain may go on from its other end, once.
                 None if !turned && !chain[0].0.closed && chain.len() > 1 => {
-                    let from = exit(&reversed(&chain[0].0));
-                    let more =
-                        from.is_some_and(|f| next(&f, &alive, &ends, reach, links).is_some());
+                    let from = leaving(&reversed(&chain[0].0));
+                    let more = from
+                        .is_some_and(|(f, z)| next(&f, z, &alive, &ends, &reach, links).is_some());
                     if !more {
                         break;
                     }
@@ -108,6 +111,23 @@ fn joined(
         .into_par_iter()
         .flat_map_iter(|chain| lay(cutter, chain, links, fitting))
         .collect()
+}
+
+/// How far the next pass may be, mm.
+struct Reach {
+    plan: f64,
+    /// Up or down, more than the way in plan is long: what is further is another ground, above or below a wall.
+    rise: f64,
+}
+
+/// Where a pass ends in plan, and how high.
+fn leaving(p: &Pass) -> Option<(Pose, f64)> {
+    let end = if p.closed {
+        p.points.first()?
+    } else {
+        p.points.last()?
+    };
+    Some((exit(p)?, end.z))
 }
 
 fn reversed(p: &Pass) -> Pass {
@@ -193,10 +213,13 @@ fn joint(
     if let Some(points) = surface_or_bridge(cutter, way, &from, &to, links, fitting) {
         return Some(points);
     }
-    if loops {
-        return None;
-    }
-    let back = turned_back(cutter, &last.points, &next.points, 0.5 * fitting.probe)?;
+    let back = (!loops)
+        .then(|| turned_back(cutter, &last.points, &next.points, 0.5 * fitting.probe))
+        .flatten();
+    let Some(back) = back else {
+        // Up or down a wall along it.
+        return surface_link(cutter, way, &from.at, &to.at, links, fitting);
+    };
     last.points.truncate(back.keep);
     last.points.extend(back.points.first());
     next.points = back
@@ -253,7 +276,7 @@ pub fn surface_link(
 /// Where a pass can be entered.
 struct Entries {
     closed: bool,
-    points: Vec<Point2>,
+    points: Vec<Point>,
     /// The corners of its box, to pass over what is far.
     low: Point2,
     high: Point2,
@@ -282,7 +305,7 @@ impl Entry {
 
 impl Entries {
     fn of(p: &Pass) -> Entries {
-        let points: Vec<Point2> = p.points.iter().map(|q| q.xy()).collect();
+        let points = p.points.clone();
         let mut low = Point2::new(f64::INFINITY, f64::INFINITY);
         let mut high = Point2::new(f64::NEG_INFINITY, f64::NEG_INFINITY);
         for q in &points {
@@ -303,20 +326,22 @@ impl Entries {
         dx.hypot(dy)
     }
 
-    /// Poses at which it can be entered within `reach` of a place.
-    fn near(&self, at: &Point2, reach: f64) -> Vec<(Pose, Entry)> {
+    /// Poses at which it can be entered within `reach` of a place at height z.
+    fn near(&self, at: &Point2, z: f64, reach: &Reach) -> Vec<(Pose, Entry)> {
         let n = self.points.len();
         let mut out = Vec::new();
         if n < 2 {
             return out;
         }
         let mut offer = |i: usize, j: usize, backwards: bool| {
-            let d = self.points[j] - self.points[i];
+            let here = &self.points[i];
+            let d = self.points[j].xy() - here.xy();
             let l = d.norm();
-            if l > 0.0 && (self.points[i] - at).norm() <= reach {
+            let far = (here.xy() - at).norm();
+            if l > 0.0 && far <= reach.plan && (here.z - z).abs() <= reach.rise + far {
                 out.push((
                     Pose {
-                        at: self.points[i],
+                        at: here.xy(),
                         heading: d / l,
                     },
                     Entry { from: i, backwards },
@@ -365,20 +390,21 @@ fn pose(at: &Point, behind: &Point) -> Option<Pose> {
     })
 }
 
-/// The pass (as an index into `alive`) that can be entered soonest from a pose.
+/// The pass (as an index into `alive`) that can be entered soonest from a pose at height z.
 fn next(
     from: &Pose,
+    z: f64,
     alive: &[usize],
     ends: &[Entries],
-    reach: f64,
+    reach: &Reach,
     links: &LinkOptions,
 ) -> Option<(usize, Turn, Entry)> {
     let mut best: Option<(f64, usize, Turn, Entry)> = None;
     for (k, &i) in alive.iter().enumerate() {
-        if ends[i].gap(&from.at) > reach {
+        if ends[i].gap(&from.at) > reach.plan {
             continue;
         }
-        for (to, entry) in ends[i].near(&from.at, reach) {
+        for (to, entry) in ends[i].near(&from.at, z, reach) {
             let straight = (to.at - from.at).norm() / links.feed;
             if best.as_ref().is_some_and(|b| straight >= b.0) {
                 continue;

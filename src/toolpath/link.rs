@@ -3,7 +3,7 @@
 
 use super::bridge::{End, surface_or_bridge};
 use super::calm::calm;
-use super::chain::{Chain, exit, quickest_turn, start};
+use super::chain::{Chain, exit, quickest_turn, start, surface_link};
 use super::fit::FitOptions;
 use super::lead::{self, Lead};
 use super::moves::{Move, MoveKind, Section, Toolpath};
@@ -308,7 +308,10 @@ fn between(
     let (Some(leaves), Some(arrives)) = (End::after(&run), End::before(&to.run())) else {
         return Link::Hop(hop);
     };
-    let Some(points) = surface_or_bridge(cutter, &way, &leaves, &arrives, options, fitting) else {
+    let points = surface_or_bridge(cutter, &way, &leaves, &arrives, options, fitting)
+        // Up or down a wall along it, where that is quicker than through the air.
+        .or_else(|| surface_link(cutter, &way, &a, &b, options, fitting));
+    let Some(points) = points else {
         return Link::Hop(hop);
     };
     let length: f64 = points.windows(2).map(|w| (w[1] - w[0]).norm()).sum();
