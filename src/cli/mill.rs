@@ -10,7 +10,7 @@ use crate::machine::{DEFAULT_MACHINE, Machine};
 use crate::part::{Loaded, Placement};
 use crate::post::{Coolant, Job, Post, write};
 use crate::reach::DropCutter;
-use crate::simulate::{DryRun, DryRunOptions, Kind, PartContext, Stock, dry_run};
+use crate::simulate::{DryRun, DryRunOptions, Kind, PartContext, Problem, Stock, Verdict, dry_run};
 use crate::sweep::{Rest, RestOptions, rest};
 use crate::toolpath::plan::{self, Plan};
 use crate::toolpath::{
@@ -83,7 +83,8 @@ pub struct MillArgs {
     /// Ground steeper than this gets passes at constant height, degrees from the horizontal
     #[arg(long, default_value_t = DEFAULT_WALL_ANGLE, allow_negative_numbers = true, value_name = "DEGREES")]
     pub wall_angle: f64,
-    /// The tip goes no lower than this beside a closed solid, mm; the part's lowest point if left out
+    /// The tip goes no lower than this beside a closed solid, mm; the part's lowest point if left out. Walls that the flutes do not
+    /// reach down to it are a warning, and with this flag a failure
     #[arg(long, allow_negative_numbers = true, value_name = "Z")]
     pub floor: Option<f64>,
     /// Most memory that planning may take, MiB
@@ -268,7 +269,9 @@ struct WallsJson {
     /// How deep the flutes cut, mm; three diameters unless told.
     flute_mm: f64,
     flute_told: bool,
-    /// Walls left standing because the flutes are too short.
+    /// Area of upright wall left standing because the flutes are too short, mm2.
+    uncut_wall_mm2: f64,
+    /// Where: the deepest place of each such wall, and the flutes that it would take.
     too_deep: Vec<TooDeepJson>,
 }
 
@@ -490,7 +493,8 @@ pub fn run(a: &MillArgs) -> Result<ExitCode, Failure> {
     let top = placement.mesh.bounds().max.z;
     let options = DryRunOptions::new(a.tool.scallop, a.stock.stock(top));
     let dialect = dialect_of(&s.post).map_err(Failure::failed)?;
-    let verdict = dry_run(&posted.text, dialect, &s.machine, Some(&context), &options);
+    let mut verdict = dry_run(&posted.text, dialect, &s.machine, Some(&context), &options);
+    standing(a, &planned, &mut verdict);
     let times = crate::gcode::interpret(&posted.text, dialect)
         .map(|p| {
             crate::kinematics::program_time(
@@ -571,7 +575,6 @@ pub fn run(a: &MillArgs) -> Result<ExitCode, Failure> {
         show::feature_table(w, &features)?;
         show::verdict(w, &verdict, a.tool.scallop)?;
         show::rest(w, &left, a.tool.scallop)?;
-        show::too_deep(w, &planned.too_deep, &a.tool.tool)?;
         if dangerous {
             writeln!(w, "no program was written: it would not be safe to run")
         } else {
@@ -590,6 +593,24 @@ pub fn run(a: &MillArgs) -> Result<ExitCode, Failure> {
     } else {
         ExitCode::from(1)
     })
+}
+
+/// Walls left standing: a warning; where the user named the floor they were to be cut down to, a reason to fail.
+fn standing(a: &MillArgs, planned: &Plan, verdict: &mut DryRun) {
+    let Some(text) = show::standing(planned.uncut_wall, &planned.too_deep, &a.tool.tool) else {
+        return;
+    };
+    let problem = Problem {
+        kind: Kind::Uncut,
+        line: None,
+        text,
+    };
+    if a.floor.is_some() {
+        verdict.problems.push(problem);
+        verdict.verdict = Verdict::Fail;
+    } else {
+        verdict.warnings.push(problem);
+    }
 }
 
 /// The machine's own planner as a judge of toolpaths.
@@ -738,6 +759,7 @@ fn mill_json<'a>(
             angle_deg: a.wall_angle,
             flute_mm: a.tool.tool.flute_length(),
             flute_told: a.tool.tool.flute.is_some(),
+            uncut_wall_mm2: planned.uncut_wall,
             too_deep: planned
                 .too_deep
                 .iter()

@@ -465,24 +465,25 @@ pub fn rest(w: &mut dyn Write, rest: &Rest, tolerance: f64) -> io::Result<()> {
     )
 }
 
-/// Walls that were left standing, by name.
-pub fn too_deep(w: &mut dyn Write, walls: &[TooDeep], tool: &Tool) -> io::Result<()> {
-    let deepest = walls.iter().fold(None, |b: Option<&TooDeep>, t| match b {
-        Some(b) if b.needs >= t.needs => Some(b),
-        _ => Some(t),
-    });
-    let Some(t) = deepest else { return Ok(()) };
+/// Walls that were left standing: how much, where, and what would cut them; `None` when there are none.
+pub fn standing(uncut: f64, walls: &[TooDeep], tool: &Tool) -> Option<String> {
+    let t = walls
+        .iter()
+        .reduce(|a, b| if b.needs > a.needs { b } else { a })?;
     let told = if tool.flute.is_some() {
         ""
     } else {
-        " (three diameters, as --tool does not say; write e.g. ball:6,flute:30)"
+        " (three diameters, as --tool does not say)"
     };
-    writeln!(
-        w,
-        "upright wall at X{:.2} Y{:.2} not cut to its foot: that takes flutes of {:.1} mm, these are {:.1} mm{told}",
+    Some(format!(
+        "{uncut:.1} mm2 of upright wall are not cut: the flutes are {:.1} mm long{told}, and at X{:.2} Y{:.2} it takes {:.1} mm \
+         down to Z{:.2}. Write the tool's own flutes, e.g. --tool ball:{},flute:{:.0}, or end the walls higher with --floor",
+        tool.flute_length(),
         t.place.x,
         t.place.y,
         t.needs,
-        tool.flute_length()
-    )
+        t.place.z - tool.radius,
+        2.0 * tool.radius,
+        t.needs.ceil()
+    ))
 }

@@ -5,10 +5,10 @@
 //!   edge used once: border      twice: inside      3 and more: crowded (reported; everything below still works)
 //! ```
 //!
-//! No tolerance: corners that are nearly in one place stay two, as in [`crate::part::check`].
+//! No tolerance: corners that are nearly in one place stay two, as [`crate::part::weld()`] has them.
 
 use crate::geom::{Point, Vector};
-use crate::part::{Mesh, Soundness};
+use crate::part::{Mesh, Soundness, weld};
 use crate::reach::{LINK, ToolCentreGrid};
 use rayon::prelude::*;
 
@@ -122,7 +122,8 @@ impl Surface {
 
     /// Welds a mesh, its flipped facets turned round. An open sheet is looked at from above.
     pub fn of_mesh(mesh: &Mesh, soundness: &Soundness) -> Surface {
-        let (points, mut triangles) = welded(mesh);
+        let welded = weld(mesh);
+        let (points, mut triangles) = (welded.points(mesh), welded.triangles);
         for &f in &soundness.flipped {
             if let Some(t) = triangles.get_mut(f as usize) {
                 t.swap(1, 2);
@@ -255,37 +256,4 @@ pub(super) fn edge_runs(triangles: &[[u32; 3]]) -> Vec<([u32; 2], u32)> {
 fn doubled(points: &[Point], t: &[u32; 3]) -> Vector {
     let [a, b, c] = t.map(|k| points[k as usize]);
     (b - a).cross(&(c - a))
-}
-
-/// Vertices by first appearance, and the corners as vertices.
-fn welded(mesh: &Mesh) -> (Vec<Point>, Vec<[u32; 3]>) {
-    // Adding zero turns -0 into +0: the same place.
-    let bits = |p: &Point| [p.x + 0.0, p.y + 0.0, p.z + 0.0].map(f64::to_bits);
-    let corner = |i: u32| &mesh.triangles[i as usize / 3][i as usize % 3];
-    let mut order: Vec<([u64; 3], u32)> = (0..3 * mesh.triangles.len() as u32)
-        .into_par_iter()
-        .map(|i| (bits(corner(i)), i))
-        .collect();
-    order.par_sort_unstable();
-    // Each corner's first fellow.
-    let mut first = vec![0u32; order.len()];
-    for run in order.chunk_by(|a, b| a.0 == b.0) {
-        for r in run {
-            first[r.1 as usize] = run[0].1;
-        }
-    }
-    drop(order);
-    let mut id = vec![0u32; first.len()];
-    let mut points = Vec::new();
-    for i in 0..first.len() {
-        let f = first[i] as usize;
-        if f == i {
-            id[i] = points.len() as u32;
-            points.push(*corner(i as u32));
-        } else {
-            id[i] = id[f];
-        }
-    }
-    let triangles = id.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect();
-    (points, triangles)
 }

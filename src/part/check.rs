@@ -1,7 +1,7 @@
 //! Is the triangle soup sound? Nothing found here stops a job: the reach of a ball over a soup needs no topology.
 //!
-//! Corners are welded when exactly equal (no tolerance: a tolerance would be one more thing to be wrong about), then edges are
-//! counted. All by sorting integers with unique keys: the result depends neither on threads nor on hash order.
+//! Corners are [welded](super::weld) when exactly equal, then edges are counted. All by sorting integers with unique keys: the result
+//! depends neither on threads nor on hash order.
 //!
 //! ```text
 //! edge used   once          open: the rim of a sheet, or a hole
@@ -13,6 +13,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::mesh::Mesh;
+use super::weld::weld;
 use crate::geom::{Point, Vector};
 
 /// What the soup is like. Counts, mm.
@@ -54,42 +55,6 @@ impl Soundness {
             && self.degenerate_triangles == 0
             && !self.inside_out
     }
-}
-
-/// Ids such that two corners have equal ids exactly when they are the same place. Any order of ids.
-fn weld(mesh: &Mesh) -> Vec<[u32; 3]> {
-    // Adding zero turns -0 into +0: the same place. Distinct places with one hash are told apart below.
-    let bits = |p: &Point| [p.x + 0.0, p.y + 0.0, p.z + 0.0].map(f64::to_bits);
-    let hash = |b: [u64; 3]| {
-        b.into_iter().fold(0x9e37_79b9_7f4a_7c15u64, |h, v| {
-            let h = (h ^ v).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-            (h ^ (h >> 29)).wrapping_mul(0x94d0_49bb_1331_11eb) ^ (h >> 32)
-        })
-    };
-    let corner = |i: u32| &mesh.triangles[i as usize / 3][i as usize % 3];
-    let mut order: Vec<(u64, u32)> = (0..3 * mesh.triangles.len() as u32)
-        .map(|i| (hash(bits(corner(i))), i))
-        .collect();
-    order.par_sort_unstable();
-    let mut ids = vec![[0u32; 3]; mesh.triangles.len()];
-    let mut next = 0u32;
-    for run in order.chunk_by(|a, b| a.0 == b.0) {
-        // One place per run, save for a hash collision.
-        let mut places: Vec<([u64; 3], u32)> = Vec::with_capacity(1);
-        for &(_, i) in run {
-            let b = bits(corner(i));
-            let id = match places.iter().find(|(place, _)| *place == b) {
-                Some(&(_, id)) => id,
-                None => {
-                    places.push((b, next));
-                    next += 1;
-                    next - 1
-                }
-            };
-            ids[i as usize / 3][i as usize % 3] = id;
-        }
-    }
-    ids
 }
 
 /// Sets of triangles, each knowing whether it is wound like its set's root.
@@ -157,7 +122,7 @@ pub fn check(mesh: &Mesh) -> Soundness {
         triangles: n,
         ..Default::default()
     };
-    let ids = weld(mesh);
+    let ids = weld(mesh).triangles;
     s.degenerate_triangles = mesh.triangles.iter().filter(|t| is_degenerate(t)).count();
 
     // Triangles of three different corners, each once. The first of equals stays.

@@ -11,9 +11,11 @@ pub mod load;
 pub mod mesh;
 pub mod obj;
 pub mod stl;
+pub mod weld;
 
 pub use check::{Soundness, check};
 pub use error::PartError;
 pub use frame::{Frame, Origin, PlaceError, PlaceOptions, Placement, Up, place};
 pub use load::{Format, Loaded, Units, from_bytes, load};
 pub use mesh::Mesh;
+pub use weld::{Welded, weld};

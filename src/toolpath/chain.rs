@@ -6,6 +6,7 @@
 //!   '------------------          the chain ends; `order` and `link` take over
 //! ```
 
+use super::bridge::{surface_or_bridge, turned_back};
 use super::fit::{FitOptions, fit_between};
 use super::link::LinkOptions;
 use super::pass::{Pass, PassKind, slopes};
@@ -64,7 +65,10 @@ fn joined(
     links: &LinkOptions,
     fitting: &FitOptions,
 ) -> Vec<Chain> {
-    let reach = options.reach * options.stepover;
+    let reach = Reach {
+        plan: options.reach * options.stepover,
+        rise: 2.0 * options.stepover,
+    };
     let mut left: Vec<Option<Pass>> = passes.into_iter().map(Some).collect();
     let mut ends: Vec<Entries> = left.iter().flatten().map(Entries::of).collect();
     let mut alive: Vec<usize> = (0..left.len()).collect();
@@ -78,8 +82,8 @@ fn joined(
         };
         let mut chain = vec![(start, None)];
         let mut turned = false;
-        while let Some(from) = chain.last().and_then(|(p, _)| exit(p)) {
-            match next(&from, &alive, &ends, reach, links, &mut slope) {
+        while let Some((from, z)) = chain.last().and_then(|(p, _)| leaving(p)) {
+            match next(&from, z, &alive, &ends, &reach, links, &mut slope) {
                 Some((k, way, entry)) => {
                     let i = alive.remove(k);
                     if let Some(mut p) = left[i].take() {
@@ -89,9 +93,9 @@ fn joined(
                 }
                 // An open chain may go on from its other end, once.
                 None if !turned && !chain[0].0.closed && chain.len() > 1 => {
-                    let from = exit(&reversed(&chain[0].0));
-                    let more = from.is_some_and(|f| {
-                        next(&f, &alive, &ends, reach, links, &mut slope).is_some()
+                    let from = leaving(&reversed(&chain[0].0));
+                    let more = from.is_some_and(|(f, z)| {
+                        next(&f, z, &alive, &ends, &reach, links, &mut slope).is_some()
                     });
                     if !more {
                         break;
@@ -109,6 +113,23 @@ fn joined(
         .into_par_iter()
         .flat_map_iter(|chain| lay(cutter, chain, links, fitting))
         .collect()
+}
+
+/// How far the next pass may be, mm.
+struct Reach {
+    plan: f64,
+    /// Up or down, more than the way in plan is long: what is further is another ground, above or below a wall.
+    rise: f64,
+}
+
+/// Where a pass ends in plan, and how high.
+fn leaving(p: &Pass) -> Option<(Pose, f64)> {
+    let end = if p.closed {
+        p.points.first()?
+    } else {
+        p.points.last()?
+    };
+    Some((exit(p)?, end.z))
 }
 
 fn reversed(p: &Pass) -> Pass {
@@ -150,21 +171,19 @@ fn lay(
     let mut out: Vec<Chain> = Vec::new();
     let mut run: Chain = Vec::new();
     let joined = chain.len() > 1;
+    // The last pass was a loop.
+    let mut whole = false;
     for (mut p, way) in chain {
+        let loops = p.closed;
         if joined && p.closed {
             if let Some(&first) = p.points.first() {
                 p.points.push(first);
             }
             p.closed = false;
         }
-        if let (Some(way), Some(last)) = (way, run.last().and_then(|q| q.points.last().copied())) {
-            let before = run.last().map_or(&[][..], |q| &q.points);
-            let ends = Ends {
-                from: &last,
-                before,
-                onto: &p.points,
-            };
-            match smooth_link(cutter, way, &ends, links, fitting) {
+        if let (Some(way), Some(last)) = (way, run.last_mut()) {
+            let turn = joint(cutter, &way, last, &mut p, loops || whole, links, fitting);
+            match turn {
                 Some(points) => run.push(Pass {
                     kind: PassKind::Turn,
                     feature: p.feature,
@@ -175,6 +194,7 @@ fn lay(
             }
         }
         run.push(p);
+        whole = loops;
     }
     out.push(run);
     out
@@ -283,6 +303,44 @@ fn sharpest_turn(cutter: &DropCutter, ends: &Ends, link: &[Point]) -> f64 {
 /// Segments shorter than this have no direction to speak of, mm.
 const SHORT: f64 = 0.005;
 
+/// The turn from the end of one pass to the start of the next: along the way that was planned, or over what is in it; where neither is
+/// free (both end at the foot of a wall), back beside it with both cut a little short, unless one of them is a loop.
+fn joint(
+    cutter: &DropCutter,
+    way: &Turn,
+    last: &mut Pass,
+    next: &mut Pass,
+    loops: bool,
+    links: &LinkOptions,
+    fitting: &FitOptions,
+) -> Option<Vec<Point>> {
+    let ends = Ends {
+        from: last.points.last()?,
+        before: &last.points,
+        onto: &next.points,
+    };
+    if let Some(points) = surface_or_bridge(cutter, way, &ends, links, fitting) {
+        return Some(points);
+    }
+    let back = (!loops)
+        .then(|| turned_back(cutter, &last.points, &next.points, 0.5 * fitting.probe))
+        .flatten();
+    let Some(back) = back else {
+        // Up or down a wall along it.
+        return smooth_link(cutter, way.clone(), &ends, links, fitting);
+    };
+    last.points.truncate(back.keep);
+    last.points.extend(back.points.first());
+    next.points = back
+        .points
+        .last()
+        .copied()
+        .into_iter()
+        .chain(back.rest)
+        .collect();
+    Some(back.points)
+}
+
 /// A way in plan as a proven run on the surface between two places of it; `None` where the ball would fall, or climb something steep
 /// for it.
 fn surface_link(
@@ -327,7 +385,7 @@ fn surface_link(
 /// Where a pass can be entered.
 struct Entries {
     closed: bool,
-    points: Vec<Point2>,
+    points: Vec<Point>,
     /// The corners of its box, to pass over what is far.
     low: Point2,
     high: Point2,
@@ -356,7 +414,7 @@ impl Entry {
 
 impl Entries {
     fn of(p: &Pass) -> Entries {
-        let points: Vec<Point2> = p.points.iter().map(|q| q.xy()).collect();
+        let points = p.points.clone();
         let mut low = Point2::new(f64::INFINITY, f64::INFINITY);
         let mut high = Point2::new(f64::NEG_INFINITY, f64::NEG_INFINITY);
         for q in &points {
@@ -377,20 +435,22 @@ impl Entries {
         dx.hypot(dy)
     }
 
-    /// Poses at which it can be entered within `reach` of a place.
-    fn near(&self, at: &Point2, reach: f64) -> Vec<(Pose, Entry)> {
+    /// Poses at which it can be entered within `reach` of a place at height z.
+    fn near(&self, at: &Point2, z: f64, reach: &Reach) -> Vec<(Pose, Entry)> {
         let n = self.points.len();
         let mut out = Vec::new();
         if n < 2 {
             return out;
         }
         let mut offer = |i: usize, j: usize, backwards: bool| {
-            let d = self.points[j] - self.points[i];
+            let here = &self.points[i];
+            let d = self.points[j].xy() - here.xy();
             let l = d.norm();
-            if l > 0.0 && (self.points[i] - at).norm() <= reach {
+            let far = (here.xy() - at).norm();
+            if l > 0.0 && far <= reach.plan && (here.z - z).abs() <= reach.rise + far {
                 out.push((
                     Pose {
-                        at: self.points[i],
+                        at: here.xy(),
                         heading: d / l,
                     },
                     Entry { from: i, backwards },
@@ -439,22 +499,23 @@ fn pose(at: &Point, behind: &Point) -> Option<Pose> {
     })
 }
 
-/// The pass (as an index into `alive`) that can be entered soonest from a pose.
+/// The pass (as an index into `alive`) that can be entered soonest from a pose at height z.
 fn next(
     from: &Pose,
+    z: f64,
     alive: &[usize],
     ends: &[Entries],
-    reach: f64,
+    reach: &Reach,
     links: &LinkOptions,
     slope: &mut dyn FnMut(&Point2) -> Vector2,
 ) -> Option<(usize, Turn, Entry)> {
     let slant = Slant::of(&slope(&from.at));
     let mut best: Option<(f64, usize, Turn, Entry)> = None;
     for (k, &i) in alive.iter().enumerate() {
-        if ends[i].gap(&from.at) > reach {
+        if ends[i].gap(&from.at) > reach.plan {
             continue;
         }
-        for (to, entry) in ends[i].near(&from.at, reach) {
+        for (to, entry) in ends[i].near(&from.at, z, reach) {
             let straight = (to.at - from.at).norm() / links.feed;
             if best.as_ref().is_some_and(|b| straight >= b.0) {
                 continue;

@@ -6,30 +6,30 @@ use super::layout::{PLAN_SHARES, flat_stepover};
 use super::pass::Pass;
 use super::pencil::{PencilOptions, needed, pencil};
 use super::plan::{Ground, PlanOptions};
-use super::wall::{Steep, TooDeep, Uprights, WallOptions, steep, walls};
+use super::wall::{Steep, Uprights, WallOptions, Walls, steep, walls};
 use crate::feature::Regions;
 use crate::part::Mesh;
-use crate::reach::{Crease, creases};
+use crate::reach::creases;
 
 /// Ground steeper than this is a wall, degrees from the horizontal.
 pub const DEFAULT_WALL_ANGLE: f64 = 75.0;
 /// A crease gets a pencil pass where more than this share of the cusp wanted stands in it.
 const PENCIL_START: f64 = 0.75;
 
-/// What is smaller or steeper than the ball likes: the same for every plan of a part.
-pub(super) struct Detail<'a> {
-    creases: Vec<Crease>,
-    pencil: PencilOptions,
-    uprights: Uprights<'a>,
+/// What is smaller or steeper than the ball likes, and the passes for it: the same for every plan of a part.
+pub(super) struct Detail {
+    /// Along all creases, of no feature.
+    pencils: Vec<Pass>,
+    walls: Walls,
     pub steep: Steep,
 }
 
-impl<'a> Detail<'a> {
-    pub fn find(part: &'a Mesh, ground: &Ground, options: &PlanOptions) -> Detail<'a> {
+impl Detail {
+    pub fn find(part: &Mesh, ground: &Ground, options: &PlanOptions) -> Detail {
         let (grid, cutter) = (&ground.grid, &ground.cutter);
         let fitting = FitOptions::for_scallop(options.scallop, cutter.radius());
         let stepover = flat_stepover(options.scallop, cutter.radius());
-        let pencil = PencilOptions::for_stepover(stepover, &fitting);
+        let pencils = PencilOptions::for_stepover(stepover, &fitting);
         let uprights = Uprights::new(part, cutter.radius());
         let steep = steep(
             grid,
@@ -40,13 +40,13 @@ impl<'a> Detail<'a> {
                 floor: options.floor.unwrap_or(cutter.bounds().min.z),
                 flute: options.flute,
                 deepest: options.deepest,
-                off_wall: pencil.off_wall,
+                off_wall: pencils.off_wall,
             },
         );
+        let creases = creases(grid, cutter, &pencils.crease);
         Detail {
-            creases: creases(grid, cutter, &pencil.crease),
-            pencil,
-            uprights,
+            walls: walls(grid, cutter, &uprights, &steep, &creases, &fitting),
+            pencils: pencil(cutter, &creases, &pencils, &fitting),
             steep,
         }
     }
@@ -58,10 +58,9 @@ impl<'a> Detail<'a> {
         regions: &Regions,
         others: &[Pass],
         scallop: f64,
-        fitting: &FitOptions,
     ) -> Vec<Pass> {
-        let (grid, cutter) = (&ground.grid, &ground.cutter);
-        let all = pencil(grid, cutter, regions, &self.creases, &self.pencil, fitting);
+        let cutter = &ground.cutter;
+        let all = of_features(&self.pencils, ground, regions);
         let stepover = flat_stepover(scallop, cutter.radius());
         needed(
             all,
@@ -72,20 +71,26 @@ impl<'a> Detail<'a> {
         )
     }
 
-    pub fn walls(
-        &self,
-        ground: &Ground,
-        regions: &Regions,
-        fitting: &FitOptions,
-    ) -> (Vec<Pass>, Vec<TooDeep>) {
-        walls(
-            &ground.grid,
-            &ground.cutter,
-            regions,
-            &self.uprights,
-            &self.steep,
-            &self.creases,
-            fitting,
-        )
+    /// The passes down the walls, and what of them is left standing.
+    pub fn walls(&self, ground: &Ground, regions: &Regions) -> Walls {
+        Walls {
+            passes: of_features(&self.walls.passes, ground, regions),
+            too_deep: self.walls.too_deep.clone(),
+            uncut: self.walls.uncut,
+        }
     }
+}
+
+/// Passes given to the features they begin in.
+fn of_features(passes: &[Pass], ground: &Ground, regions: &Regions) -> Vec<Pass> {
+    passes
+        .iter()
+        .map(|p| Pass {
+            feature: p
+                .points
+                .first()
+                .and_then(|q| regions.feature_at(&ground.grid, &q.xy())),
+            ..p.clone()
+        })
+        .collect()
 }

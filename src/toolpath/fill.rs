@@ -6,10 +6,11 @@
 use super::crests::Crests;
 use super::fit::{FitOptions, resample, smooth};
 use super::pass::{Pass, PassKind, laid};
+use super::settle::settled;
 use super::skeleton::middle_lines;
 use super::stroke::strokes;
 use crate::feature::Regions;
-use crate::geom::{Point2, Vector2};
+use crate::geom::{Point, Point2, Vector2};
 use crate::reach::ToolCentreGrid;
 use crate::sweep::reachable::NONE;
 use crate::sweep::{ReachTiles, Reachable, Segment, Swept};
@@ -95,8 +96,10 @@ pub fn fill(
         let new: Vec<Vec<Pass>> = curves
             .par_iter()
             .map(|even| {
-                laid(cutter, even, false, fitting)
-                    .into_iter()
+                settled(cutter, even, step)
+                    .iter()
+                    .flat_map(|piece| laid(cutter, piece, false, fitting))
+                    .filter(|(points, _)| points.len() > 1)
                     .map(|(points, closed)| {
                         let feature = regions.feature_at(grid, &points[0].xy());
                         Pass {
@@ -109,15 +112,36 @@ pub fn fill(
                     .collect()
             })
             .collect();
-        let new: Vec<Pass> = new.into_iter().flatten().collect();
+        // Where a fill has been already, another does no more.
+        let new: Vec<Pass> = new
+            .into_iter()
+            .flatten()
+            .filter(|p| !passes.iter().any(|q| again(p, q)))
+            .collect();
         if new.is_empty() {
-            return report;
+            if rows.is_empty() {
+                return report;
+            }
+            // Nothing more from rows: next come the spots themselves.
+            report.rounds = report.rounds.max(STROKE_ROUNDS);
+            continue;
         }
         crests.cut(&segments(&new));
         report.added += new.len();
         report.length_mm += new.iter().map(Pass::length).sum::<f64>();
         passes.extend(new);
     }
+}
+
+/// Is a fill as good as the same as another pass?
+fn again(p: &Pass, q: &Pass) -> bool {
+    const SAME: f64 = 1e-3;
+    let near =
+        |a: Option<&Point>, b: Option<&Point>| a.zip(b).is_some_and(|(a, b)| (a - b).norm() < SAME);
+    q.kind == PassKind::Fill
+        && near(p.points.first(), q.points.first())
+        && near(p.points.last(), q.points.last())
+        && (p.length() - q.length()).abs() < SAME
 }
 
 /// A dab becomes a stroke of at least this length, mm, the way it lies: a tool that only touches leaves a mark, and a pass of one point

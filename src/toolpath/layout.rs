@@ -50,7 +50,7 @@ impl Layout {
 /// Everything a layout is laid with.
 pub(super) struct Bench<'a> {
     pub ground: &'a Ground,
-    pub detail: &'a Detail<'a>,
+    pub detail: &'a Detail,
     pub reach: &'a ReachTiles<'a>,
     pub part: &'a Mesh,
     /// Laid over the part when the first link is: on a large part it need not be there before.
@@ -293,9 +293,9 @@ fn lay_at(
     let mut laid = passes(grid, cutter, &regions, &shape, &detail.steep, &fitting);
     // What is shorter than its distance to the next is no pass: the fill finds what it would be missed for.
     laid.retain(|p| p.kind != PassKind::Level || p.closed || p.length() >= stepover);
-    let (down, too_deep) = detail.walls(ground, &regions, &fitting);
-    laid.extend(down);
-    let pencils = detail.pencils(ground, &regions, &laid, options.scallop, &fitting);
+    let walls = detail.walls(ground, &regions);
+    laid.extend(walls.passes);
+    let pencils = detail.pencils(ground, &regions, &laid, options.scallop);
     laid.extend(pencils);
     drop(metric);
     let how = ChainOptions {
@@ -339,7 +339,8 @@ fn lay_at(
         section_features,
         fitting,
         spaced_for,
-        too_deep,
+        too_deep: walls.too_deep,
+        uncut_wall: walls.uncut,
         saddles: Vec::new(),
         layout: layout.clone(),
         figures,

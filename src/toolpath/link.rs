@@ -1,6 +1,7 @@
 //! Linking: from the end of one pass to the start of the next, along the surface when that is proven and quicker, else through the
 //! air, no higher than needed.
 
+use super::bridge::surface_or_bridge;
 use super::calm::calm;
 use super::chain::{Chain, Ends, exit, quickest_turn, smooth_link, start};
 use super::fit::FitOptions;
@@ -313,7 +314,10 @@ fn between(
         before: &run,
         onto: &onto,
     };
-    let Some(points) = smooth_link(cutter, way, &ends, options, fitting) else {
+    let points = surface_or_bridge(cutter, &way, &ends, options, fitting)
+        // Up or down a wall along it, where that is quicker than through the air.
+        .or_else(|| smooth_link(cutter, way, &ends, options, fitting));
+    let Some(points) = points else {
         return Link::Hop(hop);
     };
     let length: f64 = points.windows(2).map(|w| (w[1] - w[0]).norm()).sum();

@@ -6,8 +6,8 @@
 //!           -> measured as a draft, the metric evened out, laid again (even)
 //!           -> walls at constant height, pencils along creases (detail, wall, pencil)
 //!           -> dropped onto the part and fitted (fit) -> joined end to end by smooth turns (chain, turn)
-//!           -> swept, and filled where a cusp stands over (fill, stroke, skeleton)
-//!           -> put in order (order) -> linked, with arcs off and onto the surface (link, lead) -> moves, arcs
+//!           -> swept, and filled where a cusp stands over (fill, stroke, skeleton, settle)
+//!           -> put in order (order) -> linked along the surface or just over it (bridge), with arcs off and onto it (link, lead) -> moves, arcs
 //! ```
 //!
 //! Crosses the border: a [`Toolpath`] of typed moves of the *tool tip* in work coordinates, mm. Inside, passes are places of the
@@ -15,6 +15,7 @@
 
 pub mod arcs;
 mod border;
+mod bridge;
 mod calm;
 pub mod chain;
 mod choose;
@@ -36,6 +37,7 @@ pub mod pass;
 pub mod pencil;
 pub mod plan;
 pub mod saddle;
+mod settle;
 pub mod sharp;
 mod skeleton;
 mod spiral;

@@ -13,9 +13,8 @@
 use super::fit::FitOptions;
 use super::pass::{Pass, PassKind, laid};
 use super::wall::moved_out;
-use crate::feature::Regions;
 use crate::geom::{Point, Point2, Vector, Vector2};
-use crate::reach::{Crease, CreaseOptions, CreasePoint, DropCutter, Hint, ToolCentreGrid};
+use crate::reach::{Crease, CreaseOptions, CreasePoint, DropCutter, Hint};
 use crate::sweep::{Paths, Segment};
 use rayon::prelude::*;
 
@@ -41,26 +40,22 @@ impl PencilOptions {
     }
 }
 
-/// A pass along each of some creases. All cores; the order does not depend on them.
+/// A pass along each of some creases, of no feature yet. All cores; the order does not depend on them.
 pub fn pencil(
-    grid: &ToolCentreGrid,
     cutter: &DropCutter,
-    regions: &Regions,
     chains: &[Crease],
     options: &PencilOptions,
     fitting: &FitOptions,
 ) -> Vec<Pass> {
     let fitted: Vec<Vec<Pass>> = chains
         .par_iter()
-        .map(|c| along(grid, cutter, regions, c, options, fitting))
+        .map(|c| along(cutter, c, options, fitting))
         .collect();
     fitted.into_iter().flatten().collect()
 }
 
 fn along(
-    grid: &ToolCentreGrid,
     cutter: &DropCutter,
-    regions: &Regions,
     crease: &Crease,
     options: &PencilOptions,
     fitting: &FitOptions,
@@ -81,14 +76,11 @@ fn along(
     laid(cutter, &curve, crease.closed, &fitting)
         .into_iter()
         .filter(|(points, _)| points.len() > 1)
-        .map(|(points, closed)| {
-            let feature = regions.feature_at(grid, &points[0].xy());
-            Pass {
-                kind: PassKind::Pencil,
-                feature,
-                points,
-                closed,
-            }
+        .map(|(points, closed)| Pass {
+            kind: PassKind::Pencil,
+            feature: None,
+            points,
+            closed,
         })
         .collect()
 }

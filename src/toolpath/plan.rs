@@ -151,6 +151,8 @@ pub struct Plan {
     pub spaced_for: f64,
     /// Walls left standing because the flutes are too short for them.
     pub too_deep: Vec<TooDeep>,
+    /// Area of upright wall left standing so, mm2.
+    pub uncut_wall: f64,
     /// How smoothly passes turn into one another near saddles.
     pub saddles: Vec<SaddleTurns>,
     /// What was laid.

@@ -220,6 +220,19 @@ impl Turn {
         out
     }
 
+    /// Where it begins and ends, in plan.
+    pub fn ends(&self) -> (Pose, Pose) {
+        let back = self.reversed().from;
+        let plan = |p: &Pose, way: f64| {
+            let heading = self.slant.lower(p.heading) * way;
+            Pose {
+                at: Point2::from(self.slant.lower(p.at.coords)),
+                heading: heading / heading.norm().max(1e-300),
+            }
+        };
+        (plan(&self.from, 1.0), plan(&back, -1.0))
+    }
+
     /// The same way gone backwards.
     pub fn reversed(&self) -> Turn {
         let mut heading = angle(&self.from.heading);

@@ -15,6 +15,7 @@ mod reach;
 mod simulate;
 mod toolpath;
 mod turns;
+mod walls;
 
 mod hostile;
 mod link;
