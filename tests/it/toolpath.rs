@@ -152,12 +152,26 @@ fn level_passes_close_or_end_on_a_border_or_a_rim() {
             })
         {
             let own = pass.feature.unwrap();
-            let free = &p.plan.regions.features[own].free;
+            let feature = &p.plan.regions.features[own];
+            let free = &feature.free;
             for end in [pass.points[0], pass.points[pass.points.len() - 1]] {
                 let n = g.nearest(end.x, end.y).unwrap();
-                // Near the end: ground that ends, or ground that an earlier feature holds.
-                let reason = (-2..=2).any(|dy| {
-                    (-2..=2).any(|dx| {
+                // A pass left for an errand goes on where it was left; a spiral begins beside its seed and ends on itself.
+                let goes_on = p
+                    .plan
+                    .passes
+                    .iter()
+                    .filter(|q| q.kind == PassKind::Level)
+                    .flat_map(|q| &q.points)
+                    .filter(|q| (*q - end).norm() < 0.02)
+                    .count()
+                    > 1;
+                if goes_on || feature.field.at(g, n) <= 1.0 {
+                    continue;
+                }
+                // Near the end: ground that ends, or ground that an earlier feature holds, whose rim's own pass cuts half a step of this.
+                let reason = (-4..=4).any(|dy| {
+                    (-4..=4).any(|dx| {
                         g.neighbour(n, (dx, dy)).is_none_or(|j| {
                             g.kind[j] != NodeKind::Ground
                                 || free.at(g, j) < 0.0
