@@ -205,6 +205,8 @@ pub fn cusps_at_nodes(grid: &ToolCentreGrid, reach: &ReachTiles, passes: &[Pass]
                 .collect();
             out.sort_unstable_by(|a, b| a.0.cmp(&b.0).then(b.1.total_cmp(&a.1)));
             out.dedup_by_key(|e| e.0);
+            // There are several cells to a node: the room that they took would be as much as all else together.
+            out.shrink_to_fit();
             out
         })
         .collect();
