@@ -350,7 +350,7 @@ impl Judge<'_> {
 }
 
 /// Cusps are looked at between the centres of cells where they may be higher than this share of what is asked for.
-const LOOKED_AT: f64 = 0.95;
+const LOOKED_AT: f64 = 1.0;
 /// ... and where the ball reaches the part but for this share: elsewhere only the cells' centres are known well enough.
 const REACHED: f64 = 0.3;
 

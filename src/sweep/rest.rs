@@ -111,7 +111,8 @@ pub fn rest(part: &Mesh, cutter: &DropCutter, options: &RestOptions) -> Rest {
     let mut with_area: Vec<(f64, Vec<u32>)> = groups.drain(..).map(|g| (area_of(&g), g)).collect();
     with_area.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
     let count = with_area.len();
-    let area = with_area.iter().map(|g| g.0).sum();
+    // An empty sum of floats is -0.
+    let area = with_area.iter().map(|g| g.0).fold(0.0, |a, b| a + b);
     let spots = with_area
         .par_iter()
         .take(options.spots)
@@ -119,7 +120,7 @@ pub fn rest(part: &Mesh, cutter: &DropCutter, options: &RestOptions) -> Rest {
         .collect();
     Rest {
         area,
-        plan: pieces.iter().map(|p| p.plan).sum(),
+        plan: pieces.iter().map(|p| p.plan).fold(0.0, |a, b| a + b),
         spots,
         count,
     }
