@@ -14,7 +14,7 @@ use crate::simulate::{DryRun, DryRunOptions, Kind, PartContext, Problem, Stock, 
 use crate::sweep::{Rest, RestOptions, rest};
 use crate::toolpath::plan::{self, Plan};
 use crate::toolpath::{
-    ArcOptions, CALM, DEFAULT_WALL_ANGLE, FILL_START, Figures, FitReport, Ground, LinkOptions,
+    ArcOptions, DEFAULT_WALL_ANGLE, FILL_START, Figures, FitReport, Ground, LinkOptions,
     PlanOptions, RETRACT_WORTH, Stage, Strategy, Toolpath, arcs, proof,
 };
 use crate::units::{MmPerMin, Rpm, Seconds};
@@ -642,7 +642,7 @@ fn link_options(a: &MillArgs, s: &Settings, placement: &Placement) -> LinkOption
         safe_center_z: top + allowance + SAFE_ABOVE + a.tool.tool.radius,
         retract_center_z: f64::NEG_INFINITY,
         retract_worth: RETRACT_WORTH,
-        vertical: CALM * m.acceleration[2].0,
+        vertical: m.acceleration[2].0,
     }
 }
 

@@ -10,8 +10,8 @@ use super::link::LinkOptions;
 use super::moves::{Move, MoveKind};
 use crate::units::MmPerMin;
 
-/// A good share of the Z axis' acceleration for [`LinkOptions::vertical`]: the rest is for what stays when a controller blends chords.
-pub const CALM: f64 = 0.5;
+/// A cut is thrown up and down by no more than this share of `vertical`, a link by all of it: cuts are what is looked at afterwards.
+const CUTS: f64 = 0.5;
 /// The vertical acceleration is told over three heights this far apart in time, s: shorter throws are the chords' and the motors'.
 const SAMPLE: f64 = 0.01;
 /// Feeds are this many parts of the job's; one for each part less is tried.
@@ -21,7 +21,7 @@ const FEWEST: usize = 6;
 /// In a link a feed holds for this far along the way at least, mm: changes every few tenths of a millimetre would be throws again.
 const HOLDS: f64 = 1.0;
 
-/// Gives cuts and links a lower feed where the vertical acceleration would exceed `options.vertical`. Some ten looks at each place where it
+/// Gives cuts and links a lower feed where the vertical acceleration would exceed `options.vertical` (half of it in cuts). Some ten looks at each place where it
 /// does, one elsewhere.
 pub fn calm(moves: &mut [Move], options: &LinkOptions) {
     if !(options.vertical.is_finite() && options.vertical > 0.0) {
@@ -61,12 +61,13 @@ pub fn calm(moves: &mut [Move], options: &LinkOptions) {
 fn parts(way: &Way, link: &[bool], options: &LinkOptions) -> Vec<usize> {
     let mut parts = vec![PARTS; way.moves()];
     let mut places: Vec<f64> = way.places().collect();
-    let over = options.vertical * SAMPLE * SAMPLE;
+    let over = |linked: bool| options.vertical * if linked { 1.0 } else { CUTS } * SAMPLE * SAMPLE;
     for k in (FEWEST + 1..=PARTS).rev() {
         let step = options.feed * k as f64 / PARTS as f64 * SAMPLE;
         // What is calm at one speed is calm at any lower one.
         places.retain(|&s| {
-            (way.height(s - step) - 2.0 * way.height(s) + way.height(s + step)).abs() > over
+            let linked = link[way.between(s - step, s + step)].contains(&true);
+            (way.height(s - step) - 2.0 * way.height(s) + way.height(s + step)).abs() > over(linked)
         });
         for s in &places {
             let near = way.between(s - step, s + step);

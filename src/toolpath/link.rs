@@ -37,7 +37,7 @@ pub struct LinkOptions {
     pub safe_center_z: f64,
     /// Retracts go at least as high as this (a height of the ball's centre); -inf for no higher than is proven safe.
     pub retract_center_z: f64,
-    /// Vertical acceleration that cuts and links keep to, by a lower feed where it takes one, mm/s²; +inf for none.
+    /// Vertical acceleration that links keep to, and cuts to half of, by a lower feed where it takes one: the Z axis' own, mm/s²; +inf for none.
     pub vertical: f64,
     /// How much longer a link along the surface may take than a retract, s; -inf to retract after every pass.
     pub retract_worth: f64,

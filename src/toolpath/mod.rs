@@ -46,7 +46,6 @@ mod turn;
 pub mod wall;
 
 pub use arcs::{ArcOptions, arcs};
-pub use calm::CALM;
 pub use detail::DEFAULT_WALL_ANGLE;
 pub use fit::{FitOptions, FitReport, proof};
 pub use layout::{FILL_START, Layout, PLAN_SHARES, flat_stepover};

@@ -12,7 +12,7 @@ use morsemill::post::{Coolant, Job, Post, Posted, write};
 use morsemill::reach::DropCutter;
 use morsemill::simulate::{DryRun, DryRunOptions, PartContext, Stock, dry_run};
 use morsemill::toolpath::plan::{Plan, Strategy, plan, survey};
-use morsemill::toolpath::{CALM, Ground, LinkOptions, RETRACT_WORTH, Toolpath};
+use morsemill::toolpath::{Ground, LinkOptions, RETRACT_WORTH, Toolpath};
 use morsemill::units::{MmPerMin, Rpm, Seconds};
 use morsemill::verify::dialect_of;
 use morsemill::weigh::weigh;
@@ -74,7 +74,7 @@ pub fn links(top: f64) -> LinkOptions {
         safe_center_z: top + ALLOWANCE + 5.0 + R,
         retract_center_z: f64::NEG_INFINITY,
         retract_worth: RETRACT_WORTH,
-        vertical: CALM * m.acceleration[2].0,
+        vertical: m.acceleration[2].0,
     }
 }
 
