@@ -14,8 +14,8 @@ use crate::simulate::{DryRun, DryRunOptions, Kind, PartContext, Problem, Stock, 
 use crate::sweep::{Rest, RestOptions, rest};
 use crate::toolpath::plan::{self, Plan};
 use crate::toolpath::{
-    ArcOptions, DEFAULT_WALL_ANGLE, Figures, FitReport, Ground, LinkOptions, PlanOptions,
-    RETRACT_WORTH, Stage, Strategy, Toolpath, arcs, fill_start, proof,
+    ArcOptions, DEFAULT_WALL_ANGLE, FILL_START, Figures, FitReport, Ground, LinkOptions,
+    PlanOptions, RETRACT_WORTH, Stage, Strategy, Toolpath, arcs, proof,
 };
 use crate::units::{MmPerMin, Rpm, Seconds};
 use crate::verify::{Deviation, dialect_of, verify};
@@ -688,7 +688,7 @@ fn job(a: &MillArgs, s: &Settings, placement: &Placement, ground: &Ground, plann
             "cusps planned at {:.1} um, grid step {:.3} mm, filled where over {:.1} um",
             planned.spaced_for * um,
             ground.grid.step,
-            fill_start(ground.grid.len()) * a.tool.scallop * um
+            FILL_START * a.tool.scallop * um
         ),
     ];
     Job {

@@ -75,18 +75,6 @@ const FILL_SHARE: f64 = 0.005;
 /// Fill where a cusp is higher than this share of what is wanted. All of it: fill measures as exactly as the dry run does, and a little more
 /// of it costs about one per cent of the time at most (measured on the test parts against 1.015, which left 20.6 um for 20).
 pub const FILL_START: f64 = 1.0;
-/// The same for a part that is laid once, with no closer passes to compare with: 23,000 fills on one of 300 x 300 mm took a sixth of
-/// its time.
-const ONE_FILL_START: f64 = 1.03;
-
-/// Cusps higher than this share of what is wanted are filled on a part whose grid has so many nodes.
-pub fn fill_start(nodes: usize) -> f64 {
-    if nodes <= LAID_TWICE {
-        FILL_START
-    } else {
-        ONE_FILL_START
-    }
-}
 /// Corners are rounded to at most this share of the stepover: wider arcs leave a cusp that costs more to fill.
 const CORNER: f64 = 0.6;
 /// Ends of passes further apart than this many stepovers are not joined into a chain.
@@ -320,7 +308,7 @@ fn lay_at(
     let before = all.len();
     let to_fill = FillOptions {
         scallop: options.scallop,
-        start: fill_start(grid.len()),
+        start: FILL_START,
         keep: 0.75,
         rounds: 6,
     };

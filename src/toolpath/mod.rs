@@ -48,7 +48,7 @@ pub mod wall;
 pub use arcs::{ArcOptions, arcs};
 pub use detail::DEFAULT_WALL_ANGLE;
 pub use fit::{FitOptions, FitReport, proof};
-pub use layout::{FILL_START, Layout, PLAN_SHARES, fill_start, flat_stepover};
+pub use layout::{FILL_START, Layout, PLAN_SHARES, flat_stepover};
 pub use link::{LinkOptions, RETRACT_WORTH};
 pub use moves::{Move, MoveKind, Section, Toolpath, Turn};
 pub use pass::{Pass, PassKind, PassOptions};
