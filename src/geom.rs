@@ -17,6 +17,67 @@ pub fn xy(p: &Point) -> Point2 {
     Point2::new(p.x, p.y)
 }
 
+/// Steps to the eight neighbours on a square lattice, counter-clockwise from +X: each and the next make a triangle with the middle.
+pub const RING: [(i32, i32); 8] = [
+    (1, 0),
+    (1, 1),
+    (0, 1),
+    (-1, 1),
+    (-1, 0),
+    (-1, -1),
+    (0, -1),
+    (1, -1),
+];
+
+/// Eight directions of unit length, counter-clockwise from +X.
+pub fn compass() -> [Vector2; 8] {
+    RING.map(|(x, y)| {
+        let share = if x != 0 && y != 0 {
+            std::f64::consts::FRAC_1_SQRT_2
+        } else {
+            1.0
+        };
+        Vector2::new(share * f64::from(x), share * f64::from(y))
+    })
+}
+
+/// The place nearest to `p` on the straight way from `a` to `b`; `a` where both are one. In the plane or in space.
+#[inline]
+pub fn nearest_on_segment<const D: usize>(
+    p: &nalgebra::OPoint<f64, nalgebra::Const<D>>,
+    a: &nalgebra::OPoint<f64, nalgebra::Const<D>>,
+    b: &nalgebra::OPoint<f64, nalgebra::Const<D>>,
+) -> nalgebra::OPoint<f64, nalgebra::Const<D>> {
+    let e = b - a;
+    let l2 = e.norm_squared();
+    let s = if l2 > 0.0 {
+        ((p - a).dot(&e) / l2).clamp(0.0, 1.0)
+    } else {
+        0.0
+    };
+    a + e * s
+}
+
+/// The place nearest to `c` on a triangle, degenerate ones included.
+pub fn nearest_on_triangle(t: &[Point; 3], c: &Point) -> Point {
+    if let Some(n) = (t[1] - t[0]).cross(&(t[2] - t[0])).try_normalize(1e-12) {
+        let q = c - n * (c - t[0]).dot(&n);
+        let side = |i: usize| (t[(i + 1) % 3] - t[i]).cross(&(q - t[i])).dot(&n);
+        if (0..3).all(|i| side(i) >= 0.0) {
+            return q;
+        }
+    }
+    let mut best = (f64::INFINITY, t[0]);
+    for i in 0..3 {
+        let q = nearest_on_segment(c, &t[i], &t[(i + 1) % 3]);
+        let d = (c - q).norm_squared();
+        if d < best.0 {
+            best = (d, q);
+        }
+    }
+    best.1
+}
+
 /// An axis-aligned box, mm. Empty when `min > max` on any axis (as [`Box3::empty`] is).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Box3 {

@@ -153,20 +153,11 @@ impl Surface {
             .flat_map(|j| (0..=N).map(move |i| (i, j)))
             .map(|(i, j)| self.jet(at(i, j).0, at(i, j).1).z)
             .collect();
-        let ring = [
-            (1i64, 0i64),
-            (1, 1),
-            (0, 1),
-            (-1, 1),
-            (-1, 0),
-            (-1, -1),
-            (0, -1),
-            (1, -1),
-        ];
         let mut found: Vec<Critical> = Vec::new();
         for j in 1..N {
             for i in 1..N {
-                let higher = ring.map(|(a, b)| {
+                let higher = morsemill::geom::RING.map(|(a, b)| {
+                    let (a, b) = (i64::from(a), i64::from(b));
                     let k = (j as i64 + b) as usize * (N + 1) + (i as i64 + a) as usize;
                     z[k] > z[j * (N + 1) + i]
                 });

@@ -16,7 +16,7 @@
 //! (F. Bornemann, C. Rasch, *Finite-element discretization of static Hamilton-Jacobi equations*, 2006).
 
 use super::ruler::{Metric, Tensor, length_sq};
-use crate::geom::Vector2;
+use crate::geom::{RING, Vector2};
 use crate::reach::ToolCentreGrid;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -73,18 +73,6 @@ impl PartialOrd for Item {
         Some(self.cmp(o))
     }
 }
-
-/// The eight neighbours, counter-clockwise: each consecutive pair forms a triangle with the node.
-const RING: [(i32, i32); 8] = [
-    (1, 0),
-    (1, 1),
-    (0, 1),
-    (-1, 1),
-    (-1, 0),
-    (-1, -1),
-    (0, -1),
-    (1, -1),
-];
 
 /// Marches from `seeds` (node, value) over the nodes that `access` opens, writing into `value` (which must come in as +inf
 /// wherever the march may go). `on_settle` sees nodes in the order they are settled (a node may come again with a slightly smaller

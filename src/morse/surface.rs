@@ -8,6 +8,7 @@
 //! No tolerance: corners that are nearly in one place stay two, as [`crate::part::weld()`] has them.
 
 use crate::geom::{Point, Vector};
+use crate::part::weld::distinct;
 use crate::part::{Mesh, Soundness, weld};
 use crate::reach::{LINK, ToolCentreGrid};
 use rayon::prelude::*;
@@ -36,20 +37,7 @@ impl Surface {
     /// Takes triangles over given vertices. Triangles with a corner twice and repeated ones are dropped, and so are vertices without a
     /// triangle; the rest keep their order.
     pub fn new(points: &[Point], triangles: &[[u32; 3]]) -> Surface {
-        let mut sets: Vec<([u32; 3], u32)> = triangles
-            .par_iter()
-            .enumerate()
-            .filter(|(_, c)| c[0] != c[1] && c[1] != c[2] && c[2] != c[0])
-            .map(|(i, c)| {
-                let mut c = *c;
-                c.sort_unstable();
-                (c, i as u32)
-            })
-            .collect();
-        sets.par_sort_unstable();
-        sets.dedup_by_key(|s| s.0);
-        let mut live: Vec<u32> = sets.into_iter().map(|s| s.1).collect();
-        live.par_sort_unstable();
+        let (live, _) = distinct(triangles);
         let mut id = vec![u32::MAX; points.len()];
         for &t in &live {
             for c in triangles[t as usize] {

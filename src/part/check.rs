@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::mesh::Mesh;
-use super::weld::weld;
+use super::weld::{distinct, weld};
 use crate::geom::{Point, Vector};
 
 /// What the soup is like. Counts, mm.
@@ -125,23 +125,8 @@ pub fn check(mesh: &Mesh) -> Soundness {
     let ids = weld(mesh).triangles;
     s.degenerate_triangles = mesh.triangles.iter().filter(|t| is_degenerate(t)).count();
 
-    // Triangles of three different corners, each once. The first of equals stays.
-    let mut sets: Vec<([u32; 3], u32)> = ids
-        .iter()
-        .enumerate()
-        .filter(|(_, c)| c[0] != c[1] && c[1] != c[2] && c[2] != c[0])
-        .map(|(i, c)| {
-            let mut c = *c;
-            c.sort_unstable();
-            (c, i as u32)
-        })
-        .collect();
-    sets.par_sort_unstable();
-    let before = sets.len();
-    sets.dedup_by_key(|(corners, _)| *corners);
-    s.duplicate_triangles = before - sets.len();
-    let mut live: Vec<u32> = sets.into_iter().map(|(_, i)| i).collect();
-    live.par_sort_unstable();
+    let live;
+    (live, s.duplicate_triangles) = distinct(&ids);
 
     // Edges as (corners in rising order, triangle and direction).
     let mut edges: Vec<(u64, u32, bool)> = live

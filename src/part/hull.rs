@@ -1,6 +1,6 @@
 //! The convex hull of a shadow and the smallest rectangle around it. Plan coordinates, any one unit; angles in radians.
 
-use crate::geom::Point2;
+use crate::geom::{Point2, RING};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Cross product of the two displacements from `o`.
@@ -11,17 +11,7 @@ fn cross(o: &Point2, a: &Point2, b: &Point2) -> f64 {
 /// The convex hull, counter-clockwise, no three corners in line. Two passes over the points, then a sort of those outside the
 /// polygon of the extremes in eight directions: for a rectangular part that leaves a handful.
 pub fn convex_hull(points: impl Iterator<Item = Point2> + Clone) -> Vec<Point2> {
-    let directions = [
-        (1, 0),
-        (1, 1),
-        (0, 1),
-        (-1, 1),
-        (-1, 0),
-        (-1, -1),
-        (0, -1),
-        (1, -1),
-    ]
-    .map(|(x, y)| (f64::from(x), f64::from(y)));
+    let directions = RING.map(|(x, y)| (f64::from(x), f64::from(y)));
     let mut extremes: [Option<(f64, Point2)>; 8] = [None; 8];
     for p in points.clone() {
         for (e, (x, y)) in extremes.iter_mut().zip(directions) {

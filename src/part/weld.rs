@@ -27,6 +27,27 @@ fn corner(mesh: &Mesh, i: u32) -> &Point {
     &mesh.triangles[i as usize / 3][i as usize % 3]
 }
 
+/// The positions, rising, of the triangles that have three different corners; of several over the same corners the first. Also how many
+/// were left out because another has their corners. Cost: n log n.
+pub fn distinct(triangles: &[[u32; 3]]) -> (Vec<u32>, usize) {
+    let mut sets: Vec<([u32; 3], u32)> = triangles
+        .par_iter()
+        .enumerate()
+        .filter(|(_, c)| c[0] != c[1] && c[1] != c[2] && c[2] != c[0])
+        .map(|(i, c)| {
+            let mut c = *c;
+            c.sort_unstable();
+            (c, i as u32)
+        })
+        .collect();
+    sets.par_sort_unstable();
+    let all = sets.len();
+    sets.dedup_by_key(|s| s.0);
+    let mut kept: Vec<u32> = sets.iter().map(|s| s.1).collect();
+    kept.par_sort_unstable();
+    (kept, all - sets.len())
+}
+
 /// Welds the corners of a mesh of finite coordinates. Cost: n log n.
 pub fn weld(mesh: &Mesh) -> Welded {
     // Adding zero turns -0 into +0: the same place. Distinct places with one hash are told apart below.

@@ -164,33 +164,6 @@ pub fn inside_in_plan(t: &[Point; 3], x: f64, y: f64) -> bool {
     (u >= 0.0 && v >= 0.0 && w >= 0.0) || (u <= 0.0 && v <= 0.0 && w <= 0.0)
 }
 
-/// The point of a triangle nearest to a place.
-pub fn closest(t: &[Point; 3], c: &Point) -> Point {
-    if let Some(n) = (t[1] - t[0]).cross(&(t[2] - t[0])).try_normalize(1e-12) {
-        let q = c - n * (c - t[0]).dot(&n);
-        let side = |i: usize| (t[(i + 1) % 3] - t[i]).cross(&(q - t[i])).dot(&n);
-        if (0..3).all(|i| side(i) >= 0.0) {
-            return q;
-        }
-    }
-    let mut best = (f64::INFINITY, t[0]);
-    for i in 0..3 {
-        let (a, e) = (t[i], t[(i + 1) % 3] - t[i]);
-        let l2 = e.norm_squared();
-        let s = if l2 > 0.0 {
-            ((c - a).dot(&e) / l2).clamp(0.0, 1.0)
-        } else {
-            0.0
-        };
-        let q = a + e * s;
-        let d = (c - q).norm_squared();
-        if d < best.0 {
-            best = (d, q);
-        }
-    }
-    best.1
-}
-
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
@@ -246,7 +219,7 @@ mod tests {
         #[test]
         fn the_closest_point_is_on_it_and_no_other_is_closer(t in triangle(), c in proptest::array::uniform3(coordinate())) {
             let c = Point::from(c);
-            let q = closest(&t, &c);
+            let q = crate::geom::nearest_on_triangle(&t, &c);
             prop_assert!(distance(&t, &q) < 1e-7);
             prop_assert!(((c - q).norm() - distance(&t, &c)).abs() < 1e-7);
         }

@@ -2,7 +2,7 @@
 
 use super::bvh::{Bvh, Child, WIDTH};
 use super::contact::{inside_in_plan, normal, touch, touch_above};
-use crate::geom::{Box3, Point, Point2, Vector};
+use crate::geom::{Box3, Point, Point2, Vector, compass};
 use crate::part::Mesh;
 
 /// Where a lowered ball comes to rest. Work coordinates, mm.
@@ -292,20 +292,10 @@ impl DropCutter {
     /// True when the contact sits on the outline of the part's shadow: some point `reach` mm beside it is over empty air.
     /// A ball there rolls off the part's edge rather than over its surface.
     pub fn on_outline(&self, contact: &Contact, reach: f64) -> bool {
-        const D: f64 = std::f64::consts::FRAC_1_SQRT_2;
-        const RING: [(f64, f64); 8] = [
-            (1.0, 0.0),
-            (D, D),
-            (0.0, 1.0),
-            (-D, D),
-            (-1.0, 0.0),
-            (-D, -D),
-            (0.0, -1.0),
-            (D, -D),
-        ];
         let p = &contact.point;
-        RING.iter()
-            .any(|(u, v)| !self.shades(p.x + reach * u, p.y + reach * v))
+        compass()
+            .iter()
+            .any(|d| !self.shades(p.x + reach * d.x, p.y + reach * d.y))
     }
 }
 

@@ -9,9 +9,8 @@
 //!
 //! Crosses the border: a place of the ball's centre (work coordinates, mm) and ways (unit vectors) in; directions and angles out.
 
-use super::contact::closest;
 use super::drop::DropCutter;
-use crate::geom::{Point, Vector};
+use crate::geom::{Point, Vector, nearest_on_triangle};
 
 /// Directions closer together than this (cosine) are one.
 const SAME: f64 = 0.9998;
@@ -33,7 +32,7 @@ impl DropCutter {
         let mut found: Vec<(f64, Vector)> = triangles
             .iter()
             .filter_map(|t| {
-                let away = center - closest(t, center);
+                let away = center - nearest_on_triangle(t, center);
                 let d = away.norm();
                 (d <= r && d > 0.0).then(|| (d, away / d))
             })

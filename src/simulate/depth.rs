@@ -6,7 +6,7 @@
 //!      '._c_.'
 //! ```
 
-use crate::geom::{Point, Vector};
+use crate::geom::{Point, Point2, Vector, nearest_on_segment, nearest_on_triangle};
 use crate::part::Mesh;
 use crate::sweep::buckets::Buckets;
 
@@ -23,16 +23,8 @@ impl<'a> Depth<'a> {
         let b = mesh.bounds();
         let triangles = &mesh.triangles;
         let (min, max) = (b.min.xy(), b.max.xy());
-        let buckets = Buckets::new(min, max, 0.25 * radius, triangles.len(), |b, i, put| {
-            let t = &triangles[i];
-            let lo = t[0].inf(&t[1]).inf(&t[2]);
-            let hi = t[0].sup(&t[1]).sup(&t[2]);
-            for by in b.rows(lo.y, hi.y) {
-                for bx in b.columns(lo.x, hi.x) {
-                    put(by * b.nx + bx);
-                }
-            }
-        });
+        let buckets =
+            Buckets::of_triangles(min, max, 0.25 * radius, triangles.len(), |i| &triangles[i]);
         Depth {
             mesh,
             radius,
@@ -54,7 +46,7 @@ impl<'a> Depth<'a> {
                     if t.iter().all(|p| p.z < c.z - r) {
                         continue;
                     }
-                    let near = nearest(t, c);
+                    let near = nearest_on_triangle(t, c);
                     let d = (near - c).norm();
                     ball = ball.min(d);
                     if near.z <= c.z {
@@ -92,17 +84,12 @@ fn beside(t: &[Point; 3], c: &Point) -> f64 {
     let mut area = 0.0;
     for (k, a) in corners.iter().enumerate() {
         let b = &corners[(k + 1) % n];
-        let e = (b - a).xy();
         let cross = a.x * b.y - a.y * b.x;
         area += cross;
         left &= cross >= 0.0;
         right &= cross <= 0.0;
-        let t = if e.norm_squared() > 0.0 {
-            (-a.xy().dot(&e) / e.norm_squared()).clamp(0.0, 1.0)
-        } else {
-            0.0
-        };
-        best = best.min((a.xy() + e * t).norm());
+        let near = nearest_on_segment(&Point2::origin(), &a.xy().into(), &b.xy().into());
+        best = best.min(near.coords.norm());
     }
     // The origin lies inside when it is on the same side of all edges of a polygon that has an area.
     if n >= 3 && area != 0.0 && (left || right) {
@@ -110,39 +97,6 @@ fn beside(t: &[Point; 3], c: &Point) -> f64 {
     } else {
         best
     }
-}
-
-/// The point of a triangle nearest to c (by the regions of its corners, edges and face).
-fn nearest(t: &[Point; 3], c: &Point) -> Point {
-    let (ab, ac, ap) = (t[1] - t[0], t[2] - t[0], c - t[0]);
-    let (d1, d2) = (ab.dot(&ap), ac.dot(&ap));
-    let (aa, bb, cross) = (ab.dot(&ab), ac.dot(&ac), ab.dot(&ac));
-    let det = aa * bb - cross * cross;
-    if det > 0.0 {
-        let v = (bb * d1 - cross * d2) / det;
-        let w = (aa * d2 - cross * d1) / det;
-        if v >= 0.0 && w >= 0.0 && v + w <= 1.0 {
-            return t[0] + ab * v + ac * w;
-        }
-    }
-    let mut best = t[0];
-    let mut best_sq = f64::INFINITY;
-    for k in 0..3 {
-        let (a, e) = (t[k], t[(k + 1) % 3] - t[k]);
-        let l = e.norm_squared();
-        let s = if l > 0.0 {
-            ((c - a).dot(&e) / l).clamp(0.0, 1.0)
-        } else {
-            0.0
-        };
-        let p = a + e * s;
-        let d = (p - c).norm_squared();
-        if d < best_sq {
-            best_sq = d;
-            best = p;
-        }
-    }
-    best
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Things sorted into square buckets in plan, so that only those near a place are looked at.
 
-use crate::geom::Point2;
+use crate::geom::{Point, Point2};
 use std::ops::RangeInclusive;
 
 /// Which things touch which square. Plan coordinates, mm. What lies beyond the area goes into the buckets at its rim.
@@ -74,6 +74,25 @@ impl Buckets {
             b.members = members;
             return b;
         }
+    }
+
+    /// Sorts triangles into the buckets that the boxes about them touch; the area and the side as for [`Buckets::new`].
+    pub fn of_triangles<'t>(
+        min: Point2,
+        max: Point2,
+        size: f64,
+        count: usize,
+        triangle: impl Fn(usize) -> &'t [Point; 3],
+    ) -> Buckets {
+        Buckets::new(min, max, size, count, |b, i, put| {
+            let t = triangle(i);
+            let (lo, hi) = (t[0].inf(&t[1]).inf(&t[2]), t[0].sup(&t[1]).sup(&t[2]));
+            for by in b.rows(lo.y, hi.y) {
+                for bx in b.columns(lo.x, hi.x) {
+                    put(by * b.nx + bx);
+                }
+            }
+        })
     }
 
     /// Column of an X; the nearest one beyond the area.

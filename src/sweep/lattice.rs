@@ -112,6 +112,15 @@ impl Lattice {
         iy * self.nx + ix
     }
 
+    /// Index of the cell so many columns and rows beside another; `None` beyond the rim.
+    #[inline]
+    pub fn beside(&self, index: usize, columns: i64, rows: i64) -> Option<usize> {
+        let (ix, iy) = self.cell(index);
+        let (x, y) = (ix as i64 + columns, iy as i64 + rows);
+        let inside = x >= 0 && y >= 0 && x < self.nx as i64 && y < self.ny as i64;
+        inside.then(|| self.index(x as usize, y as usize))
+    }
+
     /// The cell whose square holds this place; `None` outside all squares (a border belongs to the higher cell).
     pub fn nearest(&self, x: f64, y: f64) -> Option<(usize, usize)> {
         let fx = ((x - self.origin.x) / self.step + 0.5).floor();

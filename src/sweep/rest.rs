@@ -11,7 +11,7 @@
 //!
 //! Crosses the border: a mesh and its cutter in, areas and spots out; work coordinates, mm. Knows nothing of passes.
 
-use crate::geom::{Box3, Point, Point2, Vector, Vector2};
+use crate::geom::{Box3, Point, Point2, Vector, compass};
 use crate::part::Mesh;
 use crate::reach::{DropCutter, Hint};
 use rayon::prelude::*;
@@ -263,21 +263,10 @@ fn distance(
     } else {
         0.2 * r
     };
-    const D: f64 = std::f64::consts::FRAC_1_SQRT_2;
-    const RING: [(f64, f64); 8] = [
-        (1.0, 0.0),
-        (D, D),
-        (0.0, 1.0),
-        (-D, D),
-        (-1.0, 0.0),
-        (-D, -D),
-        (0.0, -1.0),
-        (D, -D),
-    ];
     while step > 0.2 * tolerance {
         let mut moved = false;
-        for (u, v) in RING {
-            let q = best + Vector2::new(u, v) * step;
+        for way in compass() {
+            let q = best + way * step;
             let e = at(&q);
             if e < d - 1e-9 {
                 (best, d) = (q, e);

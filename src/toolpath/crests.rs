@@ -358,15 +358,7 @@ fn crests_of(at: &Seen, far: i64, options: &FillOptions) -> (Vec<Crest>, Vec<Loo
     let bend = l.step * l.step / (2.0 * r.radius);
     let height = |i: usize| at.cusp(i).0;
     let may_stand = |i: usize, own: f64| {
-        let (x, y) = l.cell(i);
-        let beside = |dx: i64, dy: i64| {
-            let (x, y) = (x as i64 + dx, y as i64 + dy);
-            if x < 0 || y < 0 || x >= l.nx as i64 || y >= l.ny as i64 {
-                f64::NEG_INFINITY
-            } else {
-                height(l.index(x as usize, y as usize))
-            }
-        };
+        let beside = |dx: i64, dy: i64| l.beside(i, dx, dy).map_or(f64::NEG_INFINITY, height);
         own > start - missed - SLACK * h && crest(beside, bend) > start - SLACK * h
     };
     let (mut paths, mut curtains) = (None, Vec::new());

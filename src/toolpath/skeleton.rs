@@ -2,17 +2,7 @@
 //!
 //! Thinning after T. Y. Zhang and C. Y. Suen, *A fast parallel algorithm for thinning digital patterns*, CACM 27 (1984).
 
-/// Cells around one, counter-clockwise from +x.
-const RING: [(i64, i64); 8] = [
-    (1, 0),
-    (1, 1),
-    (0, 1),
-    (-1, 1),
-    (-1, 0),
-    (-1, -1),
-    (0, -1),
-    (1, -1),
-];
+use crate::geom::RING;
 
 /// No neighbour, not reached.
 const NONE: u32 = u32::MAX;
@@ -38,7 +28,7 @@ impl Blobs {
         };
         let beside = cells
             .iter()
-            .map(|&(x, y)| RING.map(|(u, v)| find(x + u, y + v)))
+            .map(|&(x, y)| RING.map(|(u, v)| find(x + i64::from(u), y + i64::from(v))))
             .collect();
         Blobs {
             on: vec![true; cells.len()],

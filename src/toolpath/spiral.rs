@@ -14,7 +14,7 @@
 //! Works in plan: the spiral is dropped and proven like any pass. Passes in and out, mm.
 
 use super::fit::{resample, smooth};
-use crate::geom::{Point2, Vector2};
+use crate::geom::{Point2, Vector2, nearest_on_segment};
 
 /// A level curve in plan, and which level it is.
 #[derive(Clone, Debug, PartialEq)]
@@ -248,14 +248,7 @@ fn nearest(l: &[Point2], at: &Point2) -> (Point2, usize) {
     let mut best = (f64::INFINITY, l[0], 0);
     for i in 0..n {
         let (a, b) = (l[i], l[(i + 1) % n]);
-        let e = b - a;
-        let l2 = e.norm_squared();
-        let t = if l2 > 0.0 {
-            ((at - a).dot(&e) / l2).clamp(0.0, 1.0)
-        } else {
-            0.0
-        };
-        let q = a + e * t;
+        let q = nearest_on_segment(at, &a, &b);
         let d = (at - q).norm_squared();
         if d < best.0 {
             best = (d, q, i);

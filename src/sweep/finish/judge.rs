@@ -124,15 +124,7 @@ impl Judge<'_> {
         if !(own > enough - missed && own < self.options.uncut_above) {
             return None;
         }
-        let (x, y) = l.cell(i);
-        let beside = |dx: i64, dy: i64| {
-            let (x, y) = (x as i64 + dx, y as i64 + dy);
-            if x < 0 || y < 0 || x >= l.nx as i64 || y >= l.ny as i64 {
-                f64::NEG_INFINITY
-            } else {
-                height(l.index(x as usize, y as usize))
-            }
-        };
+        let beside = |dx: i64, dy: i64| l.beside(i, dx, dy).map_or(f64::NEG_INFINITY, height);
         let crest = peak::crest(beside, l.step * l.step / (2.0 * radius));
         if crest <= enough || !peak::reached(reach, i, REACHED * h) {
             return None;

@@ -96,18 +96,6 @@ proptest! {
     }
 }
 
-#[test]
-#[ignore = "a measurement: cargo test --release --lib reachable::tests::quality -- --ignored --nocapture"]
-fn quality() {
-    for seed in 0..12u64 {
-        let (max, over, of) = excess(&rough(seed), 2.0, 0.1);
-        eprintln!(
-            "seed {seed}: at most {:.3} um over brute force, {over} of {of} over 0.01 um",
-            max * 1e3
-        );
-    }
-}
-
 /// Where the ball fits, the reachable surface is the part, to a fraction of a micrometre, flat or sloping.
 #[test]
 fn slopes_are_reached() {
@@ -218,30 +206,6 @@ fn same_bits_for_any_number_of_threads_and_empty_parts() {
     assert_eq!(run(1), run(3));
     let none = reachable(&DropCutter::new(&Mesh::default(), 2.0), 0.1);
     assert!(none.lattice.is_empty() && none.reach_z.is_empty());
-}
-
-#[test]
-#[ignore = "a measurement: cargo test --release --lib reachable::tests::speed -- --ignored --nocapture; PART=file.stl for a part"]
-fn speed() {
-    let mesh = match std::env::var_os("PART") {
-        Some(file) => {
-            crate::part::load(std::path::Path::new(&file), crate::part::Units::Mm)
-                .unwrap()
-                .mesh
-        }
-        None => grid_mesh(120, 65.0, |x, y| {
-            6.0 * (x * 0.12).sin() * (y * 0.1).cos() + 0.4 * (x - y).abs()
-        }),
-    };
-    let drop = DropCutter::new(&mesh, 3.0);
-    let t = std::time::Instant::now();
-    let r = reachable(&drop, 0.05);
-    eprintln!(
-        "{} x {} cells: {:?}",
-        r.lattice.nx,
-        r.lattice.ny,
-        t.elapsed()
-    );
 }
 
 fn same(a: &Reachable, b: &Reachable) -> bool {

@@ -193,19 +193,3 @@ fn same_bits_for_any_number_of_threads() {
     };
     assert_eq!(run(1), run(3));
 }
-
-#[test]
-#[ignore = "a measurement: cargo test --release --lib swept::tests::speed -- --ignored --nocapture"]
-fn speed() {
-    let lattice = Lattice::covering(Point2::new(-37.5, -37.5), Point2::new(37.5, 37.5), 0.05);
-    let s = spiral(40_000, 0.25);
-    let mut w = Swept::new(lattice);
-    let t = std::time::Instant::now();
-    w.cut(&s, 3.0);
-    eprintln!(
-        "{} segments, {} cells: {:?}",
-        s.len(),
-        lattice.len(),
-        t.elapsed()
-    );
-}

@@ -13,7 +13,7 @@
 use super::ease::ease;
 use super::prove::Vertex;
 use super::{CLIFF_RUN, FitOptions, Rest};
-use crate::geom::{Point, Vector};
+use crate::geom::{Point, Vector, nearest_on_segment};
 
 /// How fast the length of segments may change along the path: at 0.5 a neighbour is at most some 1.7 times as long.
 const GRADE: f64 = 0.5;
@@ -125,16 +125,9 @@ struct Miss {
 }
 
 fn miss(rests: &[Rest], a: &Place, b: &Place) -> Miss {
-    let e = b.at - a.at;
-    let l2 = e.norm_squared();
     let mut m = Miss::default();
     for r in rests.get(a.index + 1..=b.index).unwrap_or_default() {
-        let s = if l2 > 0.0 {
-            ((r.center - a.at).dot(&e) / l2).clamp(0.0, 1.0)
-        } else {
-            0.0
-        };
-        let d = a.at + e * s - r.center;
+        let d = nearest_on_segment(&r.center, &a.at, &b.at) - r.center;
         let up = d.dot(&r.normal);
         m.low = m.low.max(-up);
         m.high = m.high.max(up);

@@ -8,7 +8,7 @@
 
 use super::WallOptions;
 use super::cross::Cross;
-use crate::geom::{Point, Point2, Vector2};
+use crate::geom::{Point, Point2, Vector2, nearest_on_segment};
 use crate::reach::{DropCutter, Hint};
 use crate::toolpath::bridge::{is_free as free, turned_back};
 use crate::toolpath::fit::FitOptions;
@@ -98,19 +98,10 @@ pub(in crate::toolpath) fn moved_out(
 /// Do the points between stay this near to the chord?
 fn holds(points: &[Point], tolerance: f64, longest: f64) -> bool {
     let (a, b) = (points[0], points[points.len() - 1]);
-    let e = b - a;
-    let l2 = e.norm_squared();
-    if l2 > longest * longest {
-        return false;
-    }
-    points[1..points.len() - 1].iter().all(|p| {
-        let s = if l2 > 0.0 {
-            ((p - a).dot(&e) / l2).clamp(0.0, 1.0)
-        } else {
-            0.0
-        };
-        (a + e * s - p).norm() <= tolerance
-    })
+    (b - a).norm_squared() <= longest * longest
+        && points[1..points.len() - 1]
+            .iter()
+            .all(|p| (nearest_on_segment(p, &a, &b) - p).norm() <= tolerance)
 }
 
 /// The places between the end of one run and the start of the next, a step apart; `None` when the ball cannot go there straight. Over a

@@ -1,7 +1,7 @@
 //! The upright triangles of a part, asked in plan: the drop cutter, which looks down, does not see them.
 
 use super::TOUCH;
-use crate::geom::{Point, Point2};
+use crate::geom::{Point, Point2, nearest_on_segment};
 use crate::part::Mesh;
 use crate::reach::ToolCentreGrid;
 use crate::sweep::buckets::Buckets;
@@ -32,21 +32,10 @@ impl<'a> Uprights<'a> {
             .map(|(i, _)| i as u32)
             .collect();
         let b = mesh.bounds();
-        let buckets = Buckets::new(
-            b.min.xy(),
-            b.max.xy(),
-            0.5 * radius,
-            index.len(),
-            |b, i, put| {
-                let t = &mesh.triangles[index[i] as usize];
-                let (lo, hi) = (t[0].inf(&t[1]).inf(&t[2]), t[0].sup(&t[1]).sup(&t[2]));
-                for by in b.rows(lo.y, hi.y) {
-                    for bx in b.columns(lo.x, hi.x) {
-                        put(by * b.nx + bx);
-                    }
-                }
-            },
-        );
+        let (min, max) = (b.min.xy(), b.max.xy());
+        let buckets = Buckets::of_triangles(min, max, 0.5 * radius, index.len(), |i| {
+            &mesh.triangles[index[i] as usize]
+        });
         Uprights {
             mesh,
             index,
@@ -114,14 +103,7 @@ fn section_nearest(t: &[Point; 3], q: &Point2, z: f64) -> Option<(f64, Point2)> 
     let [Some(a), Some(b)] = ends else {
         return None;
     };
-    let e = b - a;
-    let l = e.norm_squared();
-    let s = if l > 0.0 {
-        ((q - a).dot(&e) / l).clamp(0.0, 1.0)
-    } else {
-        0.0
-    };
-    let p = a + e * s;
+    let p = nearest_on_segment(q, &a, &b);
     Some(((p - q).norm(), p))
 }
 
