@@ -350,6 +350,37 @@ pub fn feature_table(w: &mut dyn Write, rows: &[FeatureJson]) -> io::Result<()> 
     writeln!(w)
 }
 
+/// The table of what was laid and weighed, the plan that was chosen among it, with the rasters to compare with.
+pub fn strategy_table(w: &mut dyn Write, plan: &Plan) -> io::Result<()> {
+    let width = plan
+        .candidates
+        .iter()
+        .map(|c| c.name.len())
+        .fold("strategy".len(), usize::max);
+    writeln!(
+        w,
+        "  {:width$} {:>9} {:>9} {:>9} {:>10} {:>8} {:>9}",
+        "strategy", "time", "linking", "in air", "feed, mm", "passes", "retracts"
+    )?;
+    for c in &plan.candidates {
+        let f = &c.figures;
+        let share = |s: f64| format!("{:.1} %", 100.0 * s / f.time_s.max(f64::MIN_POSITIVE));
+        writeln!(
+            w,
+            "{} {:width$} {:>9} {:>9} {:>9} {:>10.0} {:>8} {:>9}",
+            if c.chosen { '*' } else { ' ' },
+            c.name,
+            clock(f.time_s),
+            share(f.link_s),
+            share(f.air_s),
+            c.cut_mm,
+            c.passes,
+            c.retracts
+        )?;
+    }
+    writeln!(w)
+}
+
 /// How well the machine is moved, in one line.
 pub fn motion(m: &MotionFigures) -> String {
     let turns = match m.largest_turn_line {
@@ -367,7 +398,7 @@ pub fn motion(m: &MotionFigures) -> String {
         ),
     };
     format!(
-        "vertical RMS {:.1} mm/s2 at {:.2} mm/s; {:.1} % not cutting; {turns}{corners}",
+        "vertical RMS {:.1} mm/s2 at {:.2} mm/s; {:.1} % off the surface; {turns}{corners}",
         m.vertical_acceleration_rms_mm_s2, m.vertical_speed_rms_mm_s, m.non_cutting_percent
     )
 }

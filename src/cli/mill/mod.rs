@@ -183,6 +183,7 @@ pub fn run(a: &MillArgs) -> Result<ExitCode, Failure> {
         show::part(w, &a.part, &loaded, &placement)?;
         show::critical(w, &ground.critical)?;
         show::feature_table(w, &features)?;
+        show::strategy_table(w, &planned)?;
         show::verdict(w, &verdict, a.tool.scallop)?;
         show::rest(w, &left, a.tool.scallop)?;
         if dangerous {
