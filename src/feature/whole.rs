@@ -4,7 +4,7 @@ use super::ground::{Ground, GrowOptions};
 use super::leftover::leftovers;
 use super::region::{FeatureKind, Regions};
 use crate::field::{Front, Metric, Ruler};
-use crate::geom::Vector2;
+use crate::geom::{RING, Vector2};
 use crate::reach::{NodeKind, ToolCentreGrid};
 
 /// Where the field of a whole part begins.
@@ -48,7 +48,31 @@ pub fn sources(grid: &ToolCentreGrid) -> Vec<Source> {
             front: Front::Round,
         }));
     }
+    let rim = rim(grid);
+    if rim.len() > 1 {
+        out.push(Source {
+            name: "rim".to_string(),
+            nodes: rim,
+            front: Front::Straight,
+        });
+    }
+    if let Ok(w) = std::env::var("SRC") {
+        out.retain(|s| s.name == w);
+    }
     out
+}
+
+/// Ground beside what is none.
+fn rim(grid: &ToolCentreGrid) -> Vec<usize> {
+    let beside = |n: usize| {
+        RING.into_iter().any(|d| {
+            grid.neighbour(n, d)
+                .is_none_or(|j| grid.kind[j] != NodeKind::Ground)
+        })
+    };
+    (0..grid.len())
+        .filter(|&n| grid.kind[n] == NodeKind::Ground && beside(n))
+        .collect()
 }
 
 /// The ground node farthest along a direction (the lowest index on a tie).

@@ -2,10 +2,11 @@
 //!
 //! Where passes cross the border they clean it between them. Where they run along it, the outermost may be up to a whole step away
 //! (and leave four times the cusp): there the ball goes along the border itself, its contact on it. On a slope the centre then lies
-//! outside the part's outline.
+//! outside the part's outline. On a steep wall the passes at constant height take the place of level passes.
 
 use super::fit::{FitOptions, resample, rest, smooth};
 use super::pass::{Pass, PassKind, laid};
+use super::wall::Steep;
 use crate::feature::Regions;
 use crate::field::level_curves;
 use crate::geom::Point2;
@@ -14,11 +15,20 @@ use crate::reach::{DropCutter, Hint, NodeKind, ToolCentreGrid};
 /// Ground up to this far (in passes) beyond the outermost pass is cut by it: half a pass, less what a field errs by at a border.
 const CUT_BESIDE: f64 = 0.42;
 
+/// What cuts the ground beside a border.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Family {
+    /// The level passes of a feature.
+    Levels(usize),
+    /// Passes at constant height on steep walls, level by level: 0, 1, 2 ... from below.
+    Walls,
+}
+
 /// A place on the border.
 struct Place {
     at: Point2,
-    /// Feature, and the value of its field here.
-    field: Option<(usize, f64)>,
+    /// What cuts here, and the value of its field.
+    field: Option<(Family, f64)>,
 }
 
 /// Passes along the stretches of the border that no level pass cleans.
@@ -26,27 +36,44 @@ pub fn border(
     grid: &ToolCentreGrid,
     cutter: &DropCutter,
     regions: &Regions,
+    steep: &Steep,
     fitting: &FitOptions,
 ) -> Vec<Pass> {
+    let walls: Vec<f64> = (0..steep.count()).map(|k| k as f64).collect();
+    let levels = |family: Family| match family {
+        Family::Levels(k) => regions.features[k].levels.as_slice(),
+        Family::Walls => walls.as_slice(),
+    };
     let ground = |n: usize| grid.kind[n] == NodeKind::Ground;
     let value = |n: usize| if ground(n) { 1.0 } else { 0.0 };
     let crossing = |a: u32, b: u32| -> Option<Place> {
         let inside = if ground(a as usize) { a } else { b };
         let outside = a ^ b ^ inside;
         let from = grid.crossings.partition_point(|c| c.inside < inside);
-        let at = grid.crossings[from..]
+        let center = grid.crossings[from..]
             .iter()
             .take_while(|c| c.inside == inside)
             .find(|c| c.outside == outside)
-            .map(|c| c.contact.center.xy())?;
+            .map(|c| c.contact.center)?;
+        let at = center.xy();
         let label = regions.label[inside as usize];
+        let wall = steep.node[inside as usize]
+            .then(|| steep.passes_below(center.z))
+            .flatten();
+        if let Some(value) = wall {
+            return Some(Place {
+                at,
+                field: Some((Family::Walls, value)),
+            });
+        }
         let field = (label > 0).then(|| {
             let k = label as usize - 1;
             let f = &regions.features[k].field;
             let (v, w) = (f.at(grid, inside as usize), f.at(grid, outside as usize));
             let (p, q) = (grid.xy(inside as usize), grid.xy(outside as usize));
             let t = ((at - p).norm() / (q - p).norm()).clamp(0.0, 1.0);
-            (k, if w.is_finite() { v + (w - v) * t } else { v })
+            let value = if w.is_finite() { v + (w - v) * t } else { v };
+            (Family::Levels(k), value)
         });
         Some(Place {
             at,
@@ -56,8 +83,11 @@ pub fn border(
     let mut out = Vec::new();
     for curve in level_curves(grid, &value, &[0.5]) {
         let places: Vec<Place> = curve.at.iter().filter_map(|e| crossing(e.a, e.b)).collect();
-        for (stretch, closed) in stretches(&places, curve.closed, regions) {
-            let feature = stretch.first().and_then(|&i| places[i].field).map(|f| f.0);
+        for (stretch, closed) in stretches(&places, curve.closed, &levels) {
+            let feature = stretch.iter().find_map(|&i| match places[i].field {
+                Some((Family::Levels(k), _)) => Some(k),
+                _ => None,
+            });
             let at: Vec<Point2> = stretch.iter().map(|&i| places[i].at).collect();
             let mut even = resample(&at, closed, 0.7 * grid.step);
             // Border centres jump from facet to facet with their normals; rolling a little round the outline costs nothing.
@@ -80,7 +110,11 @@ pub fn border(
 }
 
 /// The runs of a border curve that need a pass, as indices into it, and whether a run is the whole closed curve.
-fn stretches(places: &[Place], closed: bool, regions: &Regions) -> Vec<(Vec<usize>, bool)> {
+fn stretches<'l>(
+    places: &[Place],
+    closed: bool,
+    levels: &impl Fn(Family) -> &'l [f64],
+) -> Vec<(Vec<usize>, bool)> {
     let n = places.len();
     if n == 0 {
         return Vec::new();
@@ -89,7 +123,7 @@ fn stretches(places: &[Place], closed: bool, regions: &Regions) -> Vec<(Vec<usiz
     let cut_between = |i: usize, j: usize| -> bool {
         match (places[i].field, places[j].field) {
             (Some((a, u)), Some((b, v))) if a == b => {
-                let levels = &regions.features[a].levels;
+                let levels = levels(a);
                 let (lo, hi) = (u.min(v), u.max(v));
                 let k = levels.partition_point(|l| *l <= lo);
                 levels.get(k).is_some_and(|l| *l <= hi)
@@ -119,12 +153,12 @@ fn stretches(places: &[Place], closed: bool, regions: &Regions) -> Vec<(Vec<usiz
         let (Some(&a), Some(&b)) = (run.first(), run.last()) else {
             continue;
         };
-        let (Some((feature, u)), Some((_, v))) = (places[a].field, places[b].field) else {
+        let (Some((family, u)), Some((_, v))) = (places[a].field, places[b].field) else {
             // Ground without a field: nothing else cuts it.
             needed.push((run, whole));
             continue;
         };
-        let levels = &regions.features[feature].levels;
+        let levels = levels(family);
         let values = run.iter().filter_map(|&i| places[i].field.map(|f| f.1));
         let (lo, hi) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |r, v| {
             (r.0.min(v), r.1.max(v))

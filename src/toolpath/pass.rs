@@ -139,7 +139,7 @@ pub fn passes(
         })
         .collect();
     let mut out: Vec<Pass> = fitted.into_iter().flatten().collect();
-    out.extend(border(grid, cutter, regions, fitting));
+    out.extend(border(grid, cutter, regions, steep, fitting));
     out
 }
 
@@ -383,10 +383,17 @@ fn trimmed_levels(
                     at: e.xy(grid),
                     keep: if wall { -1.0 } else { free + OVERLAP },
                     rim: e.value(past_rims),
+                    ground: [e.a, e.b]
+                        .iter()
+                        .any(|&n| grid.kind[n as usize] == NodeKind::Ground),
                 }
             })
             .collect();
         for (mut run, closed) in kept(&at, curve.closed) {
+            // Fields go on a little beyond the outline, so that passes reach it; what lies there altogether is no pass.
+            if !run.iter().any(|t| t.ground) {
+                continue;
+            }
             if !closed {
                 shorten(&mut run, stepover);
                 run.reverse();
@@ -416,6 +423,8 @@ struct Trimmed {
     keep: f64,
     /// Passes to the nearest rim that is cut.
     rim: f64,
+    /// Beside ground.
+    ground: bool,
 }
 
 /// Takes from the start of a run what the pass on a rim cuts anyway. Passes that meet the rim squarely may end half a pass from it (and
@@ -482,6 +491,7 @@ fn kept(at: &[Trimmed], closed: bool) -> Vec<(Vec<Trimmed>, bool)> {
                 at: q.at + (p.at - q.at) * t,
                 keep: 0.0,
                 rim: q.rim + (p.rim - q.rim) * t,
+                ground: p.ground && q.ground,
             });
             if p.keep < 0.0 {
                 out.push((std::mem::take(&mut run), false));

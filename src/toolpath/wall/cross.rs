@@ -71,7 +71,9 @@ pub(super) fn crossings(
             // Below the edge of an upright wall around the outline there is nothing that cusps stand on.
             let below = nodes.iter().any(|&n| grid.kind[n] == NodeKind::Air)
                 && nodes.iter().any(|&n| steep.outer[n]);
-            (level.is_none_or(|l| l.uprights) || !below) && nodes.iter().any(|&n| steep.node[n])
+            let sloping = level.is_some_and(|l| !l.uprights);
+            let on = if sloping { &steep.near } else { &steep.node };
+            !(sloping && below) && nodes.iter().any(|&n| on[n])
         })
         .collect();
     if !on_wall.contains(&true) {

@@ -166,7 +166,7 @@ pub fn walls(
         }));
     };
     lay(
-        &sloping_levels(steep, grid.radius),
+        &sloping_levels(steep),
         Vec::new(),
         &Joining {
             stepover: o.stepover,
@@ -191,19 +191,13 @@ pub fn walls(
     out
 }
 
-/// Heights at which walls that cusps stand on are cut, rising: whole stepovers above the floor.
-fn sloping_levels(steep: &Steep, radius: f64) -> Vec<Level> {
-    let o = &steep.options;
-    let [lo, hi] = steep.sloping;
-    let base = o.floor + radius;
-    if lo >= hi {
-        return Vec::new();
-    }
-    let first = ((lo - base) / o.stepover).ceil() as i64;
-    let last = ((hi - base) / o.stepover).floor() as i64;
-    (first..=last)
-        .map(|k| Level {
-            z: base + k as f64 * o.stepover,
+/// The heights at which walls that cusps stand on are cut.
+fn sloping_levels(steep: &Steep) -> Vec<Level> {
+    steep
+        .heights
+        .iter()
+        .map(|&z| Level {
+            z,
             uprights: false,
             next: f64::NEG_INFINITY,
             strip: 0.0,
