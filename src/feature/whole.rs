@@ -56,9 +56,6 @@ pub fn sources(grid: &ToolCentreGrid) -> Vec<Source> {
             front: Front::Straight,
         });
     }
-    if let Ok(w) = std::env::var("SRC") {
-        out.retain(|s| s.name == w);
-    }
     out
 }
 

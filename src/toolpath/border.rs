@@ -6,10 +6,10 @@
 
 use super::fit::{FitOptions, resample, rest, smooth};
 use super::pass::{Pass, PassKind, laid};
-use super::wall::Steep;
+use super::wall::{Steep, laid_on_wall};
 use crate::feature::Regions;
 use crate::field::level_curves;
-use crate::geom::Point2;
+use crate::geom::{Point, Point2, Vector2};
 use crate::reach::{DropCutter, Hint, NodeKind, ToolCentreGrid};
 
 /// Ground up to this far (in passes) beyond the outermost pass is cut by it: half a pass, less what a field errs by at a border.
@@ -26,7 +26,10 @@ enum Family {
 
 /// A place on the border.
 struct Place {
-    at: Point2,
+    /// Centre of the ball.
+    center: Point,
+    /// Away from the part, unit length; zero on the flat.
+    out: Vector2,
     /// What cuts here, and the value of its field.
     field: Option<(Family, f64)>,
 }
@@ -50,19 +53,24 @@ pub fn border(
         let inside = if ground(a as usize) { a } else { b };
         let outside = a ^ b ^ inside;
         let from = grid.crossings.partition_point(|c| c.inside < inside);
-        let center = grid.crossings[from..]
+        let contact = grid.crossings[from..]
             .iter()
             .take_while(|c| c.inside == inside)
             .find(|c| c.outside == outside)
-            .map(|c| c.contact.center)?;
+            .map(|c| c.contact)?;
+        let center = contact.center;
         let at = center.xy();
+        let out = (at - contact.point.xy())
+            .try_normalize(1e-9)
+            .unwrap_or_default();
         let label = regions.label[inside as usize];
         let wall = steep.node[inside as usize]
             .then(|| steep.passes_below(center.z))
             .flatten();
         if let Some(value) = wall {
             return Some(Place {
-                at,
+                center,
+                out,
                 field: Some((Family::Walls, value)),
             });
         }
@@ -76,7 +84,8 @@ pub fn border(
             (Family::Levels(k), value)
         });
         Some(Place {
-            at,
+            center,
+            out,
             field: field.filter(|f| f.1.is_finite()),
         })
     };
@@ -88,13 +97,23 @@ pub fn border(
                 Some((Family::Levels(k), _)) => Some(k),
                 _ => None,
             });
-            let at: Vec<Point2> = stretch.iter().map(|&i| places[i].at).collect();
-            let mut even = resample(&at, closed, 0.7 * grid.step);
-            // Border centres jump from facet to facet with their normals; rolling a little round the outline costs nothing.
-            smooth(&mut even, closed, 4);
-            let mut hint = Hint::default();
-            even.retain(|q| rest(cutter, q.x, q.y, &mut hint).is_some());
-            for (points, closed) in laid(cutter, &even, closed, fitting) {
+            let on_wall = |i: &usize| matches!(places[*i].field, Some((Family::Walls, _)));
+            let runs = if stretch.iter().all(on_wall) {
+                let at: Vec<(Point, Vector2)> = stretch
+                    .iter()
+                    .map(|&i| (places[i].center, places[i].out))
+                    .collect();
+                laid_on_wall(cutter, &at, closed, &steep.options, fitting)
+            } else {
+                let at: Vec<Point2> = stretch.iter().map(|&i| places[i].center.xy()).collect();
+                let mut even = resample(&at, closed, 0.7 * grid.step);
+                // Border centres jump from facet to facet with their normals; rolling a little round the outline costs nothing.
+                smooth(&mut even, closed, 4);
+                let mut hint = Hint::default();
+                even.retain(|q| rest(cutter, q.x, q.y, &mut hint).is_some());
+                laid(cutter, &even, closed, fitting)
+            };
+            for (points, closed) in runs {
                 if points.len() > 1 {
                     out.push(Pass {
                         kind: PassKind::Border,

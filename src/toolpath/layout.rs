@@ -295,12 +295,6 @@ fn lay_at(
     laid.retain(|p| p.kind != PassKind::Level || p.closed || p.length() >= stepover);
     let walls = detail.walls(ground, &regions);
     laid.extend(walls.passes);
-    if std::env::var("DBG").is_ok() {
-        for p in &laid {
-            let z = p.points.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |a, q| [a[0].min(q.z), a[1].max(q.z)]);
-            eprintln!("{:?} closed {} len {:.1} z {:.2} {:.2} from {:.1},{:.1} to {:.1},{:.1} n {}", p.kind, p.closed, p.length(), z[0], z[1], p.points[0].x, p.points[0].y, p.points[p.points.len()-1].x, p.points[p.points.len()-1].y, p.points.len());
-        }
-    }
     let pencils = detail.pencils(ground, &regions, &laid, options.scallop);
     laid.extend(pencils);
     drop(metric);
@@ -323,14 +317,6 @@ fn lay_at(
     } else {
         FillReport::default()
     };
-    if std::env::var("DBG").is_ok() && !is_raster {
-        eprintln!("SHARE {share} before {before}");
-        for p in &all[before..] {
-            let m = p.points[p.points.len() / 2];
-            let sl = cutter.drop(m.x, m.y).map_or(0.0, |c| ((c.center.z - c.point.z) / cutter.radius()).clamp(-1.0, 1.0).acos().to_degrees());
-            eprintln!("FILL len {:.1} at {:.2} {:.2} {:.2} slope {:.1}", p.length(), m.x, m.y, m.z, sl);
-        }
-    }
     stage(Stage::Link);
     joined.extend(chains(cutter, all.split_off(before), &how, links, &fitting));
     let how = ErrandOptions {

@@ -250,7 +250,7 @@ fn is_wall(
 
 /// Closes in on the height z between a low and a high place: where on the low side, and the balls on either side. `None` unless z
 /// lies between.
-fn between(
+pub(super) fn between(
     cutter: &DropCutter,
     low: &Point2,
     high: &Point2,

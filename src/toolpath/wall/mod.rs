@@ -28,7 +28,7 @@ mod upright;
 pub use steep::{Steep, steep};
 pub use upright::Uprights;
 
-pub(in crate::toolpath) use stack::moved_out;
+pub(in crate::toolpath) use stack::{laid_on_wall, moved_out};
 
 use super::fit::FitOptions;
 use super::pass::{Pass, PassKind};

@@ -7,11 +7,51 @@
 //! ```
 
 use super::WallOptions;
-use super::cross::Cross;
+use super::cross::{Cross, between, split};
 use crate::geom::{Point, Point2, Vector2, nearest_on_segment};
 use crate::reach::{DropCutter, Hint};
 use crate::toolpath::bridge::{is_free as free, turned_back};
-use crate::toolpath::fit::FitOptions;
+use crate::toolpath::fit::{FitOptions, smooth};
+
+/// Rounds in which the heights along a wall's edge are evened out, and those in which its places in plan are.
+const EVENED: (usize, usize) = (40, 8);
+/// A place on a wall is looked for this far to either side, mm.
+const ASIDE: f64 = 0.2;
+
+/// A run along a wall, up and down, through about these centres of the ball (each with the way off the wall). The steeper the wall, the
+/// less a place in plan tells the height, so heights are evened out first, and then met exactly. Proven like a run at constant height.
+pub(in crate::toolpath) fn laid_on_wall(
+    cutter: &DropCutter,
+    at: &[(Point, Vector2)],
+    closed: bool,
+    o: &WallOptions,
+    fitting: &FitOptions,
+) -> Vec<(Vec<Point>, bool)> {
+    let mut plan: Vec<Point2> = at.iter().map(|p| p.0.xy()).collect();
+    let mut height: Vec<Point2> = at.iter().map(|p| Point2::new(p.0.z, 0.0)).collect();
+    smooth(&mut height, closed, EVENED.0);
+    smooth(&mut plan, closed, EVENED.1);
+    let mut hint = Hint::default();
+    let found: Vec<Option<Cross>> = plan
+        .iter()
+        .zip(&height)
+        .zip(at)
+        .map(|((q, z), (_, out))| {
+            let (low, high) = (q + out * ASIDE, q - out * ASIDE);
+            let (at, ..) = between(cutter, &low, &high, z.x, &mut hint)?;
+            Some(Cross {
+                at,
+                out: *out,
+                z: z.x,
+                leap: false,
+            })
+        })
+        .collect();
+    split(&found, closed)
+        .into_iter()
+        .flat_map(|(run, closed)| laid_at_height(cutter, &run, closed, o, fitting))
+        .collect()
+}
 
 /// A run moved off its wall and thinned out to what the tolerance needs; proven free along every chord, split where it is not.
 pub(super) fn laid_at_height(

@@ -25,7 +25,7 @@ pub struct Steep {
     pub(super) upright: [f64; 2],
     /// The highest edge from which a wall goes down around the outline; -inf without.
     pub(super) edge: f64,
-    pub(super) options: WallOptions,
+    pub(in crate::toolpath) options: WallOptions,
 }
 
 const OWN: [(i32, i32); 3] = [(1, 0), (1, 1), (0, 1)];
@@ -217,7 +217,10 @@ impl Apart {
         }
         let last = self.step.len() - 1;
         let (from, to) = (band(z).min(last), band(z + self.flat).min(last));
-        self.step[from..=to].iter().copied().fold(self.flat, f64::min)
+        self.step[from..=to]
+            .iter()
+            .copied()
+            .fold(self.flat, f64::min)
     }
 }
 
