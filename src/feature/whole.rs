@@ -49,7 +49,13 @@ pub fn sources(grid: &ToolCentreGrid) -> Vec<Source> {
         }));
     }
     let rim = rim(grid);
-    if rim.len() > 1 {
+    // Fronts from a rim meet along lines that need strokes of their own. Where the part falls away steeply all round that is worth it:
+    // its flanks are then cut in loops, from a corner of it in short pieces.
+    let steep = rim
+        .iter()
+        .filter(|&&n| grid.center_z[n] - grid.point[n].z < STEEP_RIM * grid.radius)
+        .count();
+    if rim.len() > 1 && 2 * steep > rim.len() {
         out.push(Source {
             name: "rim".to_string(),
             nodes: rim,
@@ -58,6 +64,9 @@ pub fn sources(grid: &ToolCentreGrid) -> Vec<Source> {
     }
     out
 }
+
+/// A rim is steep where the normal leans this far: 60 degrees.
+const STEEP_RIM: f64 = 0.5;
 
 /// Ground beside what is none.
 fn rim(grid: &ToolCentreGrid) -> Vec<usize> {
