@@ -18,6 +18,10 @@ pub enum FieldSource {
     Seed,
     /// At the rim of the feature that grew from this critical point.
     Rim(usize),
+    /// At what parts a face from others: the feet of walls and the edges above them.
+    Feet,
+    /// At all of a face's rim: what parts it, and the part's border.
+    Around,
     /// At a side or a corner of the feature; the name of a [`Source`](super::whole::Source).
     Side(String),
     /// Plane sections; the angle of the passes from X, degrees.
@@ -32,6 +36,8 @@ impl FieldSource {
         match self {
             FieldSource::Seed => "iso-scallop".to_string(),
             FieldSource::Rim(_) => "iso-scallop from a rim".to_string(),
+            FieldSource::Feet => "iso-scallop from its walls".to_string(),
+            FieldSource::Around => "iso-scallop from all round".to_string(),
             FieldSource::Side(s) => format!("iso-scallop from {s}"),
             FieldSource::Planes(angle) => format!("isoplanar at {angle:.0} deg"),
             FieldSource::PickFeed => "iso-pick-feed".to_string(),
@@ -121,6 +127,14 @@ pub fn refield(
             if rim_is_cut {
                 first = 1.0;
             }
+            from(metrics.cusp, &seeds, Front::Straight)
+        }
+        FieldSource::Feet | FieldSource::Around => {
+            let seeds = rim_seeds(grid, metrics.cusp, &mine, &is_mine, *source == FieldSource::Around);
+            if seeds.len() < 2 {
+                return None;
+            }
+            first = 1.0;
             from(metrics.cusp, &seeds, Front::Straight)
         }
         FieldSource::Side(name) => {
@@ -230,6 +244,44 @@ pub fn refield(
 
 /// The first pass beside a border lies this many passes from it: half a one, less what a field errs by there.
 const BESIDE_BORDER: f64 = 0.42;
+
+/// Nodes of a face beside what parts it (and, if asked, beside the part's border), with passes already cut there: a pencil runs along the
+/// foot of a wall; on an edge, as on the border, a pass half a step off cuts up to it.
+fn rim_seeds(
+    grid: &ToolCentreGrid,
+    metric: &Metric,
+    mine: &[usize],
+    is_mine: &[bool],
+    border: bool,
+) -> Vec<(usize, f64)> {
+    let mut out = Vec::new();
+    for &n in mine.iter().filter(|&&n| grid.kind[n] == NodeKind::Ground) {
+        let mut cut: Option<f64> = None;
+        let mut offer = |v: f64| cut = Some(cut.map_or(v, |c| c.min(v)));
+        for dy in -1..=1 {
+            for dx in -1..=1 {
+                let Some(j) = grid.neighbour(n, (dx, dy)) else {
+                    continue;
+                };
+                match grid.kind[j] {
+                    NodeKind::Ground if !is_mine[j] => {
+                        let (c, p) = (
+                            grid.center(j) - grid.center(n),
+                            grid.point[j] - grid.point[n],
+                        );
+                        let foot = c.z > 0.0 && p.norm() > 0.5 * c.norm();
+                        offer(if foot { 0.0 } else { 1.0 - BESIDE_BORDER });
+                    }
+                    NodeKind::Ground => {}
+                    _ if border => offer(1.0 - BESIDE_BORDER + to_border(grid, metric, n)),
+                    _ => {}
+                }
+            }
+        }
+        out.extend(cut.map(|v| (n, v)));
+    }
+    out
+}
 
 /// Passes from a node to the part's border beside it; 0 where there is none.
 fn to_border(grid: &ToolCentreGrid, metric: &Metric, node: usize) -> f64 {

@@ -4,7 +4,7 @@
 //! cusp and every correction of the metric: a choice is known by the critical point its feature grew from.
 
 use super::estimate::{coarser, feature_time};
-use super::layout::{Bench, Layout, PLAN_SHARES, regions_of};
+use super::layout::{Bench, Layout, PLAN_SHARES};
 use super::plan::Strategy;
 use crate::feature::source::{nodes, shared, widest_step};
 use crate::feature::{
@@ -66,21 +66,29 @@ impl Choice {
 }
 
 /// Chooses how each feature of a layout is cut.
-pub(super) fn choose(bench: &Bench, strategy: Strategy) -> Choice {
-    let mixed = matches!(strategy, Strategy::Auto);
-    if !mixed && strategy != Strategy::IsoScallop {
+pub(super) fn choose(bench: &Bench, layout: &Layout) -> Choice {
+    let mixed = matches!(layout, Layout::Features(Strategy::Auto) | Layout::Faces);
+    if !mixed && *layout != Layout::Features(Strategy::IsoScallop) {
         return Choice::default();
     }
     let fine = &bench.ground.grid;
     let spaced_for = PLAN_SHARES[0] * bench.options.scallop;
     let regions = {
-        let cusp = Metric::new(fine, Ruler::IsoScallop, spaced_for);
-        regions_of(bench.ground, &Layout::Features(strategy), spaced_for, &cusp)
+        let cusp = bench.metric(layout, spaced_for);
+        bench.regions(layout, spaced_for, &cusp)
     };
     let (grid, every) = coarser(fine);
     let regions = thinned(fine, &grid, every, &regions);
-    let cusp = Metric::new(&grid, Ruler::IsoScallop, spaced_for);
-    let pick_feed = mixed.then(|| Metric::new(&grid, Ruler::IsoPickFeed, spaced_for));
+    let parted = match (layout, &bench.detail.faces) {
+        (Layout::Faces, Some(f)) => Some(coarser(&f.parted(fine)).0),
+        _ => None,
+    };
+    let cusp = Metric::new(
+        parted.as_ref().unwrap_or(&grid),
+        Ruler::IsoScallop,
+        spaced_for,
+    );
+    let pick_feed = (mixed && parted.is_none()).then(|| Metric::new(&grid, Ruler::IsoPickFeed, spaced_for));
     let metrics = Metrics {
         cusp: &cusp,
         pick_feed: pick_feed.as_ref(),
@@ -125,8 +133,9 @@ fn best(
     mixed: bool,
 ) -> Option<FieldSource> {
     let f = &regions.features[index];
+    let face = f.kind == FeatureKind::Face;
     // Strips run along their rims already.
-    if f.kind == FeatureKind::Strip || f.levels.len() < 3 {
+    if !face && (f.kind == FeatureKind::Strip || f.levels.len() < 3) {
         return None;
     }
     let beside = shared(grid, regions, index);
@@ -152,15 +161,25 @@ fn best(
             .into_iter()
             .map(|s| FieldSource::Side(s.name)),
     );
+    if face {
+        tried.extend([FieldSource::Feet, FieldSource::Around]);
+    }
     if mixed {
-        tried.push(FieldSource::PickFeed);
+        if !face {
+            tried.push(FieldSource::PickFeed);
+        }
         tried.extend(
             angles(bench, grid, metrics, regions, index)
                 .into_iter()
                 .map(FieldSource::Planes),
         );
     }
-    let own = feature_time(TURNS, bench, grid, metrics.cusp, f);
+    // A face has no field yet.
+    let own = if face {
+        f64::INFINITY
+    } else {
+        feature_time(TURNS, bench, grid, metrics.cusp, f)
+    };
     let uncut: f64 = if f.saddle.is_some() {
         let later: f64 = beside[index..].iter().sum();
         RIM_UNCUT * later / bench.links.feed
@@ -260,7 +279,12 @@ pub(super) fn apply(
     let new: Vec<Option<Feature>> = (0..wanted.len())
         .into_par_iter()
         .map(|k| {
-            let c = wanted[k]?;
+            let Some(c) = wanted[k] else {
+                // A face must have some field.
+                return (regions.features[k].kind == FeatureKind::Face)
+                    .then(|| refield(grid, &metrics, regions, k, &FieldSource::Planes(0.0), false))
+                    .flatten();
+            };
             let rim_is_cut = match c.source {
                 FieldSource::Rim(seed) => regions
                     .features
@@ -269,7 +293,11 @@ pub(super) fn apply(
                     .is_some_and(|j| wanted[j].is_none()),
                 _ => false,
             };
-            refield(grid, &metrics, regions, k, &c.source, rim_is_cut)
+            refield(grid, &metrics, regions, k, &c.source, rim_is_cut).or_else(|| {
+                (regions.features[k].kind == FeatureKind::Face)
+                    .then(|| refield(grid, &metrics, regions, k, &FieldSource::Planes(0.0), false))
+                    .flatten()
+            })
         })
         .collect();
     for (f, new) in regions.features.iter_mut().zip(new) {

@@ -6,7 +6,7 @@ use super::estimate::{best_raster_angle, best_source};
 use super::fill::{FillReport, far};
 use super::fit::FitOptions;
 use super::layout::{
-    Bench, Known, Layout, PLAN_SHARES, flat_stepover, lay, regions_of, sweep_step,
+    Bench, Known, LAID_TWICE, Layout, PLAN_SHARES, flat_stepover, lay, regions_of, sweep_step,
 };
 use super::link::LinkOptions;
 use super::moves::{MoveKind, Toolpath};
@@ -366,7 +366,8 @@ pub fn plan<'g>(
     let stepover = flat_stepover(options.scallop, ground.cutter.radius());
     let reach = ReachTiles::new(&ground.cutter, step, far(stepover, step) as usize + 2);
     let air = OnceLock::new();
-    let detail = Detail::find(part, ground, options);
+    let parted = options.strategy == Strategy::Auto && ground.grid.len() <= LAID_TWICE;
+    let detail = Detail::find(part, ground, options, parted);
     let bench = Bench {
         ground,
         detail: &detail,
@@ -390,7 +391,18 @@ pub fn plan<'g>(
             plans.push(lay(&bench, &whole, &[], &Known::default(), stage));
             if options.strategy == Strategy::Auto && small {
                 stage(Stage::Choose);
-                let choice = choose(&bench, Strategy::Auto);
+                if detail.faces.is_some() {
+                    let choice = choose(&bench, &Layout::Faces);
+                    let known = Known {
+                        share: plans.first().map_or(0, |p| share_of(p, options.scallop)),
+                        to_beat: plans.first().map(|p| p.figures.time_s),
+                    };
+                    if std::env::var("MM_LINKS").is_ok() {
+                        eprintln!("faces {choice:?} whole {whole_time}");
+                    }
+                    plans.push(lay(&bench, &Layout::Faces, &choice.fields, &known, stage));
+                }
+                let choice = choose(&bench, &Layout::Features(Strategy::Auto));
                 if choice.time < NOT_LAID * whole_time {
                     let to_beat = plans.first().map(|p| p.figures.time_s);
                     let known = Known {
@@ -407,7 +419,7 @@ pub fn plan<'g>(
             plans.push(lay(&bench, &raster(angle), &[], &Known::default(), stage));
         }
         other => {
-            let choice = choose(&bench, other);
+            let choice = choose(&bench, &Layout::Features(other));
             let known = Known {
                 share: FEATURES_FROM,
                 to_beat: None,
