@@ -48,6 +48,8 @@ const ROLLS: f64 = 0.015;
 /// An edge turns the ball's normal by more than this while it rolls over it (a difference of unit vectors): less lies between the facets of a
 /// curve.
 const SHARP: f64 = 0.4;
+/// In a crease the ball's normal turns back by more than this from one node to the next.
+const CREASE: f64 = 0.1;
 /// A piece that is nowhere further than this many stepovers from its rim is a sliver: passes beside it and fills cut it ...
 const SLIVER: f64 = 0.45;
 /// ... as is one of fewer square stepovers than this.
@@ -78,10 +80,17 @@ pub fn faces(grid: &ToolCentreGrid, options: &FaceOptions) -> Option<Faces> {
         );
         c.z.abs() > slope * c.xy().norm() && p.norm() > 0.3 * c.norm()
     };
+    // Does the contact leap from one side of a crease to the other?
+    let leaps = |a: usize, b: usize| {
+        let c = grid.center(b) - grid.center(a);
+        let turned = (c - (grid.point[b] - grid.point[a])) / grid.radius;
+        turned.norm() > CREASE && turned.dot(&c) < 0.0
+    };
+    let apart = |a: usize, b: usize| falls(a, b) || leaps(a, b);
     let beside = |n: usize, d: (i32, i32)| grid.neighbour(n, d).filter(|&j| ground(j));
     let rolling: Vec<bool> = (0..grid.len())
         .into_par_iter()
-        .map(|n| ground(n) && rolls(grid, n, &falls))
+        .map(|n| ground(n) && rolls(grid, n, &apart))
         .collect();
     let rolling = sharp_edges(grid, &rolling);
     // Of a fall the upper node parts.
@@ -162,15 +171,15 @@ pub fn faces(grid: &ToolCentreGrid, options: &FaceOptions) -> Option<Faces> {
     Some(Faces { label, count, kind })
 }
 
-/// Does the ball roll over an edge at a node: in all directions that it does not fall in, is there one in which the contact stands still?
-fn rolls(grid: &ToolCentreGrid, n: usize, falls: &dyn Fn(usize, usize) -> bool) -> bool {
+/// Does the ball roll over an edge at a node: in all directions in which it neither falls nor leaps, is there one in which the contact stands still?
+fn rolls(grid: &ToolCentreGrid, n: usize, apart: &dyn Fn(usize, usize) -> bool) -> bool {
     let mut any = false;
     for (dx, dy) in [(1, 1), (-1, 1), (-1, -1), (1, -1)] {
         let (Some(a), Some(b)) = (grid.neighbour(n, (dx, 0)), grid.neighbour(n, (0, dy))) else {
             continue;
         };
         let all = [a, b].iter().all(|&j| grid.kind[j] == NodeKind::Ground);
-        if !all || falls(n, a) || falls(n, b) {
+        if !all || apart(n, a) || apart(n, b) || apart(a, b) {
             continue;
         }
         if least_share(grid, n, a, b) > ROLLS {

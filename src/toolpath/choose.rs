@@ -27,6 +27,8 @@ pub(super) struct Chosen {
 
 /// Share of the ground that may get a cusp over the wanted one from plane sections, before filling.
 const OVER_SHARE: f64 = 0.005;
+/// The same of faces: creases run through them, which pencils cut.
+const OVER_SHARE_OF_FACES: f64 = 0.02;
 /// Directions of plane sections that are tried.
 const ANGLES: usize = 12;
 /// ... of which so many, the shortest, are looked at closely.
@@ -92,7 +94,7 @@ pub(super) fn choose(bench: &Bench, layout: &Layout) -> Choice {
     let metrics = Metrics {
         cusp: &cusp,
         pick_feed: pick_feed.as_ref(),
-        over_share: OVER_SHARE,
+        over_share: over_share(&regions),
     };
     let mut cut_rims: Vec<bool> = Vec::new();
     let mut out = Vec::new();
@@ -228,7 +230,12 @@ fn angles(
             let angle = 180.0 * k as f64 / ANGLES as f64;
             let (s, c) = angle.to_radians().sin_cos();
             let across = Vector2::new(-s, c);
-            let step = widest_step(metrics.cusp, mine.iter().copied(), &across, OVER_SHARE)?;
+            let step = widest_step(
+                metrics.cusp,
+                mine.iter().copied(),
+                &across,
+                metrics.over_share,
+            )?;
             let (lo, hi) = mine
                 .iter()
                 .map(|&n| grid.xy(n).coords.dot(&across))
@@ -261,7 +268,7 @@ pub(super) fn apply(
     let metrics = Metrics {
         cusp,
         pick_feed: pick_feed.as_ref(),
-        over_share: OVER_SHARE,
+        over_share: over_share(regions),
     };
     let source_of = |k: usize, f: &Feature| -> Option<&Chosen> {
         chosen.iter().find(|c| match (c.seed, f.seed) {
@@ -304,6 +311,19 @@ pub(super) fn apply(
         if let Some(new) = new {
             *f = new;
         }
+    }
+}
+
+/// Share of the ground of such features that may get a cusp over the wanted one from plane sections.
+fn over_share(regions: &Regions) -> f64 {
+    let faces = regions
+        .features
+        .iter()
+        .any(|f| f.kind == FeatureKind::Face);
+    if faces {
+        OVER_SHARE_OF_FACES
+    } else {
+        OVER_SHARE
     }
 }
 

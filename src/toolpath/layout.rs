@@ -9,10 +9,12 @@ use super::choose::{Chosen, apply};
 use super::detail::Detail;
 use super::errand::{ErrandOptions, errands};
 use super::even::{EvenOptions, correction};
-use super::fill::{FillOptions, FillReport, cusps_at_nodes, fill};
+use super::fill::{FillOptions, FillReport, cusps_at_nodes, fill, segments};
 use super::fit::FitOptions;
 use super::link::{Air, LinkOptions, link};
 use super::order::order;
+use super::pencil::needed;
+use super::ridge::ridges;
 use super::pass::{Fitted, Pass, PassKind, PassOptions, passes};
 use super::plan::{Candidate, Ground, Plan, PlanOptions, Stage, Strategy, Weigh};
 use super::sharp::sharp_turns;
@@ -321,6 +323,11 @@ fn lay_at(
     // What is shorter than its distance to the next is no pass: the fill finds what it would be missed for.
     laid.retain(|p| p.kind != PassKind::Level || p.closed || p.length() >= stepover);
     let walls = detail.walls(ground, &regions);
+    if *layout == Layout::Faces {
+        let ridges = ridges(grid, cutter, &regions, &metric, stepover, &fitting);
+        let ridges = needed(ridges, cutter, &segments(&laid), options.scallop, stepover);
+        laid.extend(ridges);
+    }
     laid.extend(walls.passes);
     let pencils = detail.pencils(ground, &regions, &laid, options.scallop);
     laid.extend(pencils);

@@ -148,6 +148,7 @@ pub fn link(
                 .for_each(|(kind, p)| go(&mut path.moves, kind, p)),
         }
         for (k, pass) in chain.iter().enumerate() {
+            if std::env::var("MM_LINKS").is_ok() { for p in &pass.run() { eprintln!("P {:?} {:.3} {:.3} {:.3}", pass.kind, p.x, p.y, p.z); } eprintln!("P"); }
             if std::env::var("MM_LINKS").is_ok() && pass.kind == PassKind::Turn {
                 let a = k.checked_sub(1).map(|k| chain[k].kind);
                 let b = chain.get(k + 1).map(|p| p.kind);

@@ -36,6 +36,7 @@ pub mod order;
 pub mod pass;
 pub mod pencil;
 pub mod plan;
+mod ridge;
 pub mod saddle;
 mod settle;
 pub mod sharp;

@@ -403,7 +403,7 @@ pub fn plan<'g>(
                     plans.push(lay(&bench, &Layout::Faces, &choice.fields, &known, stage));
                 }
                 let choice = choose(&bench, &Layout::Features(Strategy::Auto));
-                if choice.time < NOT_LAID * whole_time {
+                if std::env::var("MM_NORASTER").is_err() && choice.time < NOT_LAID * whole_time {
                     let to_beat = plans.first().map(|p| p.figures.time_s);
                     let known = Known {
                         share: FEATURES_FROM
@@ -449,7 +449,7 @@ pub fn plan<'g>(
     }
     let mut chosen = plans.swap_remove(best);
     drop(plans);
-    if small {
+    if small && std::env::var("MM_NORASTER").is_err() {
         candidates.extend(super::layout::rasters(
             &bench,
             (!matches!(options.strategy, Strategy::Raster(_))).then(|| raster(None)),
