@@ -245,6 +245,13 @@ pub fn refield(
 /// The first pass beside a border lies this many passes from it: half a one, less what a field errs by there.
 const BESIDE_BORDER: f64 = 0.42;
 
+/// From a node beside the foot of a wall to the pencil that runs along it: up to a step of the grid, in passes.
+const FROM_FOOT: f64 = 0.25;
+/// The first pass beside an edge lies this many passes from it: less than half a one by what a node may lie beyond the edge.
+const FROM_EDGE: f64 = 0.3;
+/// Along an edge the contact goes at most this share of the centre's way from a node to one of its eight neighbours further out.
+const ALONG_EDGE: f64 = 0.85;
+
 /// Nodes of a face beside what parts it (and, if asked, beside the part's border), with passes already cut there: a pencil runs along the
 /// foot of a wall; on an edge, as on the border, a pass half a step off cuts up to it.
 fn rim_seeds(
@@ -269,8 +276,9 @@ fn rim_seeds(
                             grid.center(j) - grid.center(n),
                             grid.point[j] - grid.point[n],
                         );
-                        let foot = c.z > 0.0 && p.norm() > 0.5 * c.norm();
-                        offer(if foot { 0.0 } else { 1.0 - BESIDE_BORDER });
+                        // On an edge the contact stands still while the ball rolls on, but for what it goes along the edge.
+                        let foot = c.z > 0.0 && p.norm() > ALONG_EDGE * c.norm();
+                        offer(if foot { FROM_FOOT } else { 1.0 - FROM_EDGE });
                     }
                     NodeKind::Ground => {}
                     _ if border => offer(1.0 - BESIDE_BORDER + to_border(grid, metric, n)),
