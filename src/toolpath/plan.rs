@@ -341,6 +341,8 @@ const NEAR_SADDLE: f64 = 3.0;
 
 /// What the estimate says takes this much longer than the whole part as one feature is not laid.
 const NOT_LAID: f64 = 1.15;
+/// Where faces take less than this share of the time of the whole part as one feature, features that grow over walls are not laid.
+const PARTED: f64 = 0.95;
 /// Features have corners that the whole part has not, so they begin with the second of the shares.
 const FEATURES_FROM: usize = 1;
 
@@ -402,16 +404,21 @@ pub fn plan<'g>(
                     }
                     plans.push(lay(&bench, &Layout::Faces, &choice.fields, &known, stage));
                 }
-                let choice = choose(&bench, &Layout::Features(Strategy::Auto));
-                if std::env::var("MM_NORASTER").is_err() && choice.time < NOT_LAID * whole_time {
-                    let to_beat = plans.first().map(|p| p.figures.time_s);
-                    let known = Known {
-                        share: FEATURES_FROM
-                            .max(plans.first().map_or(0, |p| share_of(p, options.scallop))),
-                        to_beat,
-                    };
-                    let layout = Layout::Features(choice.strategy());
-                    plans.push(lay(&bench, &layout, &choice.fields, &known, stage));
+                // Passes that run over walls have no chance where passes between them do much better.
+                let times: Vec<f64> = plans.iter().map(|p| p.figures.time_s).collect();
+                let parted = matches!(times[..], [whole, faces] if faces < PARTED * whole);
+                if !parted {
+                    stage(Stage::Choose);
+                    let choice = choose(&bench, &Layout::Features(Strategy::Auto));
+                    if choice.time < NOT_LAID * whole_time {
+                        let known = Known {
+                            share: FEATURES_FROM
+                                .max(plans.first().map_or(0, |p| share_of(p, options.scallop))),
+                            to_beat: times.iter().copied().reduce(f64::min),
+                        };
+                        let layout = Layout::Features(choice.strategy());
+                        plans.push(lay(&bench, &layout, &choice.fields, &known, stage));
+                    }
                 }
             }
         }
