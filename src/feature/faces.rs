@@ -424,7 +424,12 @@ mod tests {
             let grid = boss(5.0, angle);
             let f = faces(&grid, &HOW).unwrap();
             assert_eq!(f.count, 2, "{angle}");
-            let mut area: Vec<f64> = f.regions(&grid).features.iter().map(|f| f.area_mm2).collect();
+            let mut area: Vec<f64> = f
+                .regions(&grid)
+                .features
+                .iter()
+                .map(|f| f.area_mm2)
+                .collect();
             area.sort_by(f64::total_cmp);
             assert!((area[0] - 144.0).abs() < 48.0 * 0.2, "{area:?}");
             // The ball's centre keeps a radius off the boss.

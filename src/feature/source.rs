@@ -130,7 +130,13 @@ pub fn refield(
             from(metrics.cusp, &seeds, Front::Straight)
         }
         FieldSource::Feet | FieldSource::Around => {
-            let seeds = rim_seeds(grid, metrics.cusp, &mine, &is_mine, *source == FieldSource::Around);
+            let seeds = rim_seeds(
+                grid,
+                metrics.cusp,
+                &mine,
+                &is_mine,
+                *source == FieldSource::Around,
+            );
             if seeds.len() < 2 {
                 return None;
             }

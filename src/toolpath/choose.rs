@@ -90,7 +90,8 @@ pub(super) fn choose(bench: &Bench, layout: &Layout) -> Choice {
         Ruler::IsoScallop,
         spaced_for,
     );
-    let pick_feed = (mixed && parted.is_none()).then(|| Metric::new(&grid, Ruler::IsoPickFeed, spaced_for));
+    let pick_feed =
+        (mixed && parted.is_none()).then(|| Metric::new(&grid, Ruler::IsoPickFeed, spaced_for));
     let metrics = Metrics {
         cusp: &cusp,
         pick_feed: pick_feed.as_ref(),
@@ -316,10 +317,7 @@ pub(super) fn apply(
 
 /// Share of the ground of such features that may get a cusp over the wanted one from plane sections.
 fn over_share(regions: &Regions) -> f64 {
-    let faces = regions
-        .features
-        .iter()
-        .any(|f| f.kind == FeatureKind::Face);
+    let faces = regions.features.iter().any(|f| f.kind == FeatureKind::Face);
     if faces {
         OVER_SHARE_OF_FACES
     } else {

@@ -7,7 +7,7 @@ use super::pass::Pass;
 use super::pencil::{PencilOptions, needed, pencil};
 use super::plan::{Ground, PlanOptions};
 use super::wall::{Steep, Uprights, WallOptions, Walls, steep, walls};
-use crate::feature::{FaceOptions, FeatureKind, Faces, Regions, faces};
+use crate::feature::{FaceOptions, Faces, FeatureKind, Regions, faces};
 use crate::geom::Point;
 use crate::part::Mesh;
 use crate::reach::creases;

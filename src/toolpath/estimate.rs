@@ -220,7 +220,6 @@ pub(super) fn feature_time(
     } else {
         1.0
     };
-    if std::env::var("MM_LINKS").is_ok() { eprintln!("  est {:?} cut+turns {:.1} branches {branches} x {branch:.2} meets {:.1}mm", f.source, sum, meeting as f64 / 3.0 * grid.step); }
     sum + bits * meeting as f64 / 3.0 * grid.step / feed
 }
 

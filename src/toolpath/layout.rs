@@ -13,10 +13,10 @@ use super::fill::{FillOptions, FillReport, cusps_at_nodes, fill, segments};
 use super::fit::FitOptions;
 use super::link::{Air, LinkOptions, link};
 use super::order::order;
-use super::pencil::needed;
-use super::ridge::ridges;
 use super::pass::{Fitted, Pass, PassKind, PassOptions, passes};
+use super::pencil::needed;
 use super::plan::{Candidate, Ground, Plan, PlanOptions, Stage, Strategy, Weigh};
+use super::ridge::ridges;
 use super::sharp::sharp_turns;
 use crate::feature::{GrowOptions, Regions, Source, farthest, grow, whole};
 use crate::field::{Front, Metric, Ruler};
@@ -119,9 +119,7 @@ impl Bench<'_> {
     pub fn metric(&self, layout: &Layout, spaced_for: f64) -> Metric {
         let grid = &self.ground.grid;
         match (layout, &self.detail.faces) {
-            (Layout::Faces, Some(f)) => {
-                Metric::new(&f.parted(grid), Ruler::IsoScallop, spaced_for)
-            }
+            (Layout::Faces, Some(f)) => Metric::new(&f.parted(grid), Ruler::IsoScallop, spaced_for),
             _ => Metric::new(grid, Ruler::IsoScallop, spaced_for),
         }
     }

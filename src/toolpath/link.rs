@@ -130,14 +130,6 @@ pub fn link(
             None => Link::Hop(Hop::new(cutter, air, None, first, options, &mut hint)),
             Some(from) => between(cutter, air, from, first, options, fitting, &mut hint),
         };
-        if std::env::var("MM_LINKS").is_ok() && let Some(f) = last {
-            let (p, q) = (f.run()[f.run().len() - 1], first.points[0]);
-            let (what, l) = match &way {
-                Link::Down(v) => ("down", v.windows(2).map(|w| (w[1] - w[0]).norm()).sum::<f64>()),
-                Link::Hop(h) => ("hop", h.time(options)),
-            };
-            eprintln!("L {what} {:?}-{:?} {l:.2} gap {:.2} dz {:.2} at {:.1} {:.1} chain {} {:.1}", f.kind, first.kind, (q.xy()-p.xy()).norm(), q.z-p.z, p.x, p.y, chain.len(), chain.iter().map(Pass::length).sum::<f64>());
-        }
         match way {
             Link::Down(points) => points
                 .iter()
@@ -147,14 +139,7 @@ pub fn link(
                 .into_iter()
                 .for_each(|(kind, p)| go(&mut path.moves, kind, p)),
         }
-        for (k, pass) in chain.iter().enumerate() {
-            if std::env::var("MM_LINKS").is_ok() { for p in &pass.run() { eprintln!("P {:?} {:.3} {:.3} {:.3}", pass.kind, p.x, p.y, p.z); } eprintln!("P"); }
-            if std::env::var("MM_LINKS").is_ok() && pass.kind == PassKind::Turn {
-                let a = k.checked_sub(1).map(|k| chain[k].kind);
-                let b = chain.get(k + 1).map(|p| p.kind);
-                let (p, q) = (pass.points[0], pass.points[pass.points.len() - 1]);
-                eprintln!("L turn {a:?}-{b:?} {:.2} gap {:.2} dz {:.2} at {:.1} {:.1}", pass.length(), (q.xy()-p.xy()).norm(), q.z-p.z, p.x, p.y);
-            }
+        for pass in chain {
             let kind = if pass.kind == PassKind::Turn {
                 MoveKind::Link
             } else {
@@ -184,7 +169,6 @@ pub fn link(
             ),
         );
     }
-    if std::env::var("MM_LINKS").is_ok() { eprintln!("L end"); }
     calm(&mut path.moves, options);
     (path, section_features)
 }

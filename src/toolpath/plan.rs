@@ -399,9 +399,6 @@ pub fn plan<'g>(
                         share: plans.first().map_or(0, |p| share_of(p, options.scallop)),
                         to_beat: plans.first().map(|p| p.figures.time_s),
                     };
-                    if std::env::var("MM_LINKS").is_ok() {
-                        eprintln!("faces {choice:?} whole {whole_time}");
-                    }
                     plans.push(lay(&bench, &Layout::Faces, &choice.fields, &known, stage));
                 }
                 // Passes that run over walls have no chance where passes between them do much better.
@@ -456,7 +453,7 @@ pub fn plan<'g>(
     }
     let mut chosen = plans.swap_remove(best);
     drop(plans);
-    if small && std::env::var("MM_NORASTER").is_err() {
+    if small {
         candidates.extend(super::layout::rasters(
             &bench,
             (!matches!(options.strategy, Strategy::Raster(_))).then(|| raster(None)),

@@ -36,9 +36,7 @@ pub(super) fn ridges(
         .features
         .par_iter()
         .enumerate()
-        .filter(|(_, f)| {
-            f.kind == FeatureKind::Face && !matches!(f.source, FieldSource::Planes(_))
-        })
+        .filter(|(_, f)| f.kind == FeatureKind::Face && !matches!(f.source, FieldSource::Planes(_)))
         .flat_map_iter(|(k, f)| {
             let cells: Vec<(i64, i64)> = nodes(grid, f)
                 .filter(|&n| meets(grid, regions, metric, k, f, n))
@@ -54,6 +52,9 @@ pub(super) fn ridges(
                         .collect();
                     let mut even = resample(&at, false, 2.0 * grid.step);
                     smooth(&mut even, false, 4);
+                    drawn_out(grid, regions, k, &mut even);
+                    even.reverse();
+                    drawn_out(grid, regions, k, &mut even);
                     (k, even)
                 })
         })
@@ -76,6 +77,22 @@ pub(super) fn ridges(
     passes.into_iter().flatten().collect()
 }
 
+/// A line is drawn out by so many steps of the grid at either end: fronts are not seen to meet right beside a rim.
+const DRAWN_OUT: usize = 4;
+
+/// Draws a line out straight at its end, for as long as that stays on its face: into the corner from which the fronts came.
+fn drawn_out(grid: &ToolCentreGrid, regions: &Regions, index: usize, line: &mut Vec<Point2>) {
+    let [.., a, b] = line[..] else { return };
+    let Some(way) = (b - a).try_normalize(1e-9) else {
+        return;
+    };
+    let end = (1..=DRAWN_OUT)
+        .map(|k| b + way * (k as f64 * grid.step))
+        .take_while(|q| regions.feature_at(grid, q) == Some(index))
+        .last();
+    line.extend(end);
+}
+
 /// Does the field of a face rise by much less than its metric says at a node well inside it?
 fn meets(
     grid: &ToolCentreGrid,
@@ -92,9 +109,13 @@ fn meets(
             .filter(|v| v.is_finite())
     };
     let a = ACROSS;
-    let (Some(_), Some(e), Some(w), Some(u), Some(d)) =
-        (mine((0, 0)), mine((a, 0)), mine((-a, 0)), mine((0, a)), mine((0, -a)))
-    else {
+    let (Some(_), Some(e), Some(w), Some(u), Some(d)) = (
+        mine((0, 0)),
+        mine((a, 0)),
+        mine((-a, 0)),
+        mine((0, a)),
+        mine((0, -a)),
+    ) else {
         return false;
     };
     let g = Vector2::new(e - w, u - d) / (f64::from(2 * a) * grid.step);
