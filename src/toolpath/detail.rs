@@ -39,7 +39,12 @@ impl Detail {
             &uprights,
             &WallOptions {
                 angle: options.wall_angle.to_radians(),
-                stepover: flat_stepover(PLAN_SHARES[0] * options.scallop, cutter.radius()),
+                // Passes keep off the wall, and cusps stand that much higher on it.
+                stepover: flat_stepover(
+                    (PLAN_SHARES[0] * options.scallop - pencils.off_wall)
+                        .max(0.5 * options.scallop),
+                    cutter.radius(),
+                ),
                 floor: options.floor.unwrap_or(cutter.bounds().min.z),
                 flute: options.flute,
                 deepest: options.deepest,
