@@ -32,6 +32,7 @@ mod layout;
 mod lead;
 pub mod link;
 pub mod moves;
+mod onward;
 pub mod order;
 pub mod pass;
 pub mod pencil;
