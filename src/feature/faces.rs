@@ -417,7 +417,7 @@ mod tests {
         stepover: 0.69,
     };
 
-    /// The plateau and the ground about it, and nothing else: as large as they are, up to two nodes at their rims.
+    /// The plateau and the ground about it, and nothing else: as large as they are, up to two diagonals of a cell at their rims.
     #[test]
     fn a_boss_on_a_plate_is_two_faces() {
         for angle in [0.0, 0.3, 0.646] {
@@ -431,10 +431,10 @@ mod tests {
                 .map(|f| f.area_mm2)
                 .collect();
             area.sort_by(f64::total_cmp);
-            assert!((area[0] - 144.0).abs() < 48.0 * 0.28, "{area:?}");
+            assert!((area[0] - 144.0).abs() < 48.0 * 0.4, "{area:?}");
             // The ball's centre keeps a radius off the boss.
             let around = 900.0 - 144.0 - 48.0 * 3.0 - 9.0 * std::f64::consts::PI;
-            assert!((area[1] - around).abs() < 67.0 * 0.28, "{area:?}");
+            assert!((area[1] - around).abs() < 67.0 * 0.4, "{area:?}");
         }
     }
 
