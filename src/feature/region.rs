@@ -21,6 +21,8 @@ pub enum FeatureKind {
     Strip,
     /// The whole part, from one side or corner of it.
     Whole,
+    /// Ground that walls and sharp edges part from the rest; see [`faces`](super::faces::faces).
+    Face,
 }
 
 impl FeatureKind {
@@ -34,6 +36,7 @@ impl FeatureKind {
             FeatureKind::Remainder => "remainder",
             FeatureKind::Strip => "strip",
             FeatureKind::Whole => "whole-part",
+            FeatureKind::Face => "face",
         }
     }
 }

@@ -18,6 +18,10 @@ pub enum FieldSource {
     Seed,
     /// At the rim of the feature that grew from this critical point.
     Rim(usize),
+    /// At what parts a face from others: the feet of walls and the edges above them.
+    Feet,
+    /// At all of a face's rim: what parts it, and the part's border.
+    Around,
     /// At a side or a corner of the feature; the name of a [`Source`](super::whole::Source).
     Side(String),
     /// Plane sections; the angle of the passes from X, degrees.
@@ -32,6 +36,8 @@ impl FieldSource {
         match self {
             FieldSource::Seed => "iso-scallop".to_string(),
             FieldSource::Rim(_) => "iso-scallop from a rim".to_string(),
+            FieldSource::Feet => "iso-scallop from its walls".to_string(),
+            FieldSource::Around => "iso-scallop from all round".to_string(),
             FieldSource::Side(s) => format!("iso-scallop from {s}"),
             FieldSource::Planes(angle) => format!("isoplanar at {angle:.0} deg"),
             FieldSource::PickFeed => "iso-pick-feed".to_string(),
@@ -121,6 +127,20 @@ pub fn refield(
             if rim_is_cut {
                 first = 1.0;
             }
+            from(metrics.cusp, &seeds, Front::Straight)
+        }
+        FieldSource::Feet | FieldSource::Around => {
+            let seeds = rim_seeds(
+                grid,
+                metrics.cusp,
+                &mine,
+                &is_mine,
+                *source == FieldSource::Around,
+            );
+            if seeds.len() < 2 {
+                return None;
+            }
+            first = 1.0;
             from(metrics.cusp, &seeds, Front::Straight)
         }
         FieldSource::Side(name) => {
@@ -230,6 +250,107 @@ pub fn refield(
 
 /// The first pass beside a border lies this many passes from it: half a one, less what a field errs by there.
 const BESIDE_BORDER: f64 = 0.42;
+
+/// A pencil cuts this far from the foot of a wall, in passes: less what is not known of where it runs.
+const FROM_FOOT: f64 = 0.05;
+/// The first pass beside an edge lies this many passes from it: half a one, less what a field errs by there.
+const FROM_EDGE: f64 = 0.4;
+/// Along an edge the contact goes at most this share of the centre's way from a node to one of its eight neighbours further out.
+const ALONG_EDGE: f64 = 0.85;
+/// Nodes to either side of one that tell how far away a rim is.
+const NEAR_RIM: i32 = 2;
+
+/// What parts a face at one of its outermost nodes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Rim {
+    /// A wall goes up.
+    Foot,
+    /// The ball rolls over an edge, and touches it here already.
+    Edge,
+    /// The part ends.
+    Border,
+}
+
+/// Nodes of a face beside what parts it (and, if asked, beside the part's border), with passes already cut there: a pencil runs along the
+/// foot of a wall; on an edge, as on the border, a pass half a step off cuts up to it. How far away a wall or an edge is, the contacts beside
+/// it tell: closer than the grid, whose steps would be waves in each pass.
+fn rim_seeds(
+    grid: &ToolCentreGrid,
+    metric: &Metric,
+    mine: &[usize],
+    is_mine: &[bool],
+    border: bool,
+) -> Vec<(usize, f64)> {
+    let ground = |n: usize| grid.kind[n] == NodeKind::Ground;
+    let around = |n: usize, reach: i32| {
+        (-reach..=reach)
+            .flat_map(move |dy| (-reach..=reach).map(move |dx| (dx, dy)))
+            .filter(|d| *d != (0, 0))
+            .filter_map(move |d| grid.neighbour(n, d))
+    };
+    let rises = |n: usize, j: usize| {
+        let (c, p) = (
+            grid.center(j) - grid.center(n),
+            grid.point[j] - grid.point[n],
+        );
+        c.z > 0.0 && p.norm() > ALONG_EDGE * c.norm()
+    };
+    let rim = |n: usize| -> Option<Rim> {
+        let mut found = None;
+        for j in around(n, 1) {
+            match (ground(j), is_mine[j]) {
+                (true, false) if rises(n, j) => return Some(Rim::Foot),
+                (true, false) => found = Some(Rim::Edge),
+                (false, _) if border && found.is_none() => found = Some(Rim::Border),
+                _ => {}
+            }
+        }
+        found
+    };
+    let rims: Vec<(usize, Rim)> = mine
+        .iter()
+        .filter(|&&n| ground(n))
+        .filter_map(|&n| rim(n).map(|r| (n, r)))
+        .collect();
+    let mut out: Vec<(usize, f64)> = Vec::with_capacity(3 * rims.len());
+    for &(n, r) in &rims {
+        match r {
+            Rim::Foot => {
+                let far = around(n, NEAR_RIM)
+                    .filter(|&j| ground(j) && !is_mine[j] && rises(n, j))
+                    .map(|j| to_foot(grid, n, j))
+                    .fold(f64::INFINITY, f64::min);
+                let far = far.clamp(0.0, grid.step);
+                out.push((n, FROM_FOOT + passes(metric, n, far)));
+            }
+            Rim::Edge => {
+                out.push((n, 1.0 - FROM_EDGE));
+                for j in around(n, NEAR_RIM).filter(|&j| is_mine[j] && ground(j)) {
+                    let d = grid.point[j] - grid.point[n];
+                    let v = length_sq(&metric.tensor[j], &d.xy()).sqrt();
+                    out.push((j, 1.0 - FROM_EDGE + v));
+                }
+            }
+            Rim::Border => out.push((n, 1.0 - BESIDE_BORDER + to_border(grid, metric, n))),
+        }
+    }
+    out.retain(|s| s.1.is_finite());
+    out
+}
+
+/// How far a ball at node `n` may go towards a wall before it touches what the ball at `j` touches, mm.
+fn to_foot(grid: &ToolCentreGrid, n: usize, j: usize) -> f64 {
+    let r = grid.radius;
+    let p = grid.point[j];
+    let height = (p.z - grid.point[n].z).clamp(0.0, r);
+    (grid.xy(n) - p.xy()).norm() - (height * (2.0 * r - height)).sqrt()
+}
+
+/// A way of so many mm at a node, in passes, whichever way it goes.
+fn passes(metric: &Metric, node: usize, mm: f64) -> f64 {
+    let m = &metric.tensor[node];
+    mm * (0.5 * (m[0] + m[2])).sqrt()
+}
 
 /// Passes from a node to the part's border beside it; 0 where there is none.
 fn to_border(grid: &ToolCentreGrid, metric: &Metric, node: usize) -> f64 {

@@ -110,11 +110,14 @@ fn length(run: &[Point]) -> f64 {
     run.windows(2).map(|w| (w[1] - w[0]).norm()).sum()
 }
 
+/// A link steeper than this goes up a wall, which is as steep by default: its way in plan for each millimetre of height.
+const WALL: f64 = 0.25;
+
 /// Does a run go straight up or down somewhere?
 fn climbs(run: &[Point]) -> bool {
     run.windows(2).any(|w| {
         let d = w[1] - w[0];
-        d.z.abs() > 0.1 && d.xy().norm() < 0.05 * d.z.abs()
+        d.z.abs() > 0.1 && d.xy().norm() < WALL * d.z.abs()
     })
 }
 

@@ -9,10 +9,11 @@
 use super::bridge::{surface_or_bridge, turned_back};
 use super::fit::{FitOptions, fit_between};
 use super::link::LinkOptions;
+use super::onward::onward;
 use super::pass::{Pass, PassKind, slopes};
 use super::turn::{Pose, Slant, Turn, turn};
 use crate::geom::{Point, Point2, Vector, Vector2};
-use crate::reach::DropCutter;
+use crate::reach::{DropCutter, Hint};
 use rayon::prelude::*;
 
 /// How far the next pass may be.
@@ -319,7 +320,9 @@ fn joint(
         before: &last.points,
         onto: &next.points,
     };
-    if let Some(points) = surface_or_bridge(cutter, way, &ends, links, fitting) {
+    if let Some(points) = surface_or_bridge(cutter, way, &ends, links, fitting)
+        .or_else(|| onward(cutter, ends.before, ends.onto, fitting))
+    {
         return Some(points);
     }
     let back = (!loops)
@@ -376,11 +379,23 @@ fn surface_link(
     if points.len() == 1 {
         points.push(*to);
     }
+    // Where a wall stands on plain ground, a hair of the wall's own tolerance is much of the ground's.
+    let mut hint = Hint::default();
+    for p in &mut points {
+        if let Some(rest) = cutter.drop_near(p.x, p.y, &mut hint)
+            && rest.normal_z() < BY_WALL
+        {
+            p.z = p.z.max(rest.center.z);
+        }
+    }
     let last = points.len() - 1;
     points[0] = *from;
     points[last] = *to;
     Some(points)
 }
+
+/// A ball whose normal rises by less than this touches a wall: 75 degrees.
+const BY_WALL: f64 = 0.26;
 
 /// Where a pass can be entered.
 struct Entries {

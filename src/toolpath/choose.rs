@@ -4,7 +4,7 @@
 //! cusp and every correction of the metric: a choice is known by the critical point its feature grew from.
 
 use super::estimate::{coarser, feature_time};
-use super::layout::{Bench, Layout, PLAN_SHARES, regions_of};
+use super::layout::{Bench, Layout, PLAN_SHARES};
 use super::plan::Strategy;
 use crate::feature::source::{nodes, shared, widest_step};
 use crate::feature::{
@@ -27,6 +27,8 @@ pub(super) struct Chosen {
 
 /// Share of the ground that may get a cusp over the wanted one from plane sections, before filling.
 const OVER_SHARE: f64 = 0.005;
+/// The same of faces: creases run through them, which pencils cut.
+const OVER_SHARE_OF_FACES: f64 = 0.02;
 /// Directions of plane sections that are tried.
 const ANGLES: usize = 12;
 /// ... of which so many, the shortest, are looked at closely.
@@ -66,25 +68,34 @@ impl Choice {
 }
 
 /// Chooses how each feature of a layout is cut.
-pub(super) fn choose(bench: &Bench, strategy: Strategy) -> Choice {
-    let mixed = matches!(strategy, Strategy::Auto);
-    if !mixed && strategy != Strategy::IsoScallop {
+pub(super) fn choose(bench: &Bench, layout: &Layout) -> Choice {
+    let mixed = matches!(layout, Layout::Features(Strategy::Auto) | Layout::Faces);
+    if !mixed && *layout != Layout::Features(Strategy::IsoScallop) {
         return Choice::default();
     }
     let fine = &bench.ground.grid;
     let spaced_for = PLAN_SHARES[0] * bench.options.scallop;
     let regions = {
-        let cusp = Metric::new(fine, Ruler::IsoScallop, spaced_for);
-        regions_of(bench.ground, &Layout::Features(strategy), spaced_for, &cusp)
+        let cusp = bench.metric(layout, spaced_for);
+        bench.regions(layout, spaced_for, &cusp)
     };
     let (grid, every) = coarser(fine);
     let regions = thinned(fine, &grid, every, &regions);
-    let cusp = Metric::new(&grid, Ruler::IsoScallop, spaced_for);
-    let pick_feed = mixed.then(|| Metric::new(&grid, Ruler::IsoPickFeed, spaced_for));
+    let parted = match (layout, &bench.detail.faces) {
+        (Layout::Faces, Some(f)) => Some(coarser(&f.parted(fine)).0),
+        _ => None,
+    };
+    let cusp = Metric::new(
+        parted.as_ref().unwrap_or(&grid),
+        Ruler::IsoScallop,
+        spaced_for,
+    );
+    let pick_feed =
+        (mixed && parted.is_none()).then(|| Metric::new(&grid, Ruler::IsoPickFeed, spaced_for));
     let metrics = Metrics {
         cusp: &cusp,
         pick_feed: pick_feed.as_ref(),
-        over_share: OVER_SHARE,
+        over_share: over_share(&regions),
     };
     let mut cut_rims: Vec<bool> = Vec::new();
     let mut out = Vec::new();
@@ -125,8 +136,9 @@ fn best(
     mixed: bool,
 ) -> Option<FieldSource> {
     let f = &regions.features[index];
+    let face = f.kind == FeatureKind::Face;
     // Strips run along their rims already.
-    if f.kind == FeatureKind::Strip || f.levels.len() < 3 {
+    if !face && (f.kind == FeatureKind::Strip || f.levels.len() < 3) {
         return None;
     }
     let beside = shared(grid, regions, index);
@@ -152,15 +164,25 @@ fn best(
             .into_iter()
             .map(|s| FieldSource::Side(s.name)),
     );
+    if face {
+        tried.extend([FieldSource::Feet, FieldSource::Around]);
+    }
     if mixed {
-        tried.push(FieldSource::PickFeed);
+        if !face {
+            tried.push(FieldSource::PickFeed);
+        }
         tried.extend(
             angles(bench, grid, metrics, regions, index)
                 .into_iter()
                 .map(FieldSource::Planes),
         );
     }
-    let own = feature_time(TURNS, bench, grid, metrics.cusp, f);
+    // A face has no field yet.
+    let own = if face {
+        f64::INFINITY
+    } else {
+        feature_time(TURNS, bench, grid, metrics.cusp, f)
+    };
     let uncut: f64 = if f.saddle.is_some() {
         let later: f64 = beside[index..].iter().sum();
         RIM_UNCUT * later / bench.links.feed
@@ -209,7 +231,12 @@ fn angles(
             let angle = 180.0 * k as f64 / ANGLES as f64;
             let (s, c) = angle.to_radians().sin_cos();
             let across = Vector2::new(-s, c);
-            let step = widest_step(metrics.cusp, mine.iter().copied(), &across, OVER_SHARE)?;
+            let step = widest_step(
+                metrics.cusp,
+                mine.iter().copied(),
+                &across,
+                metrics.over_share,
+            )?;
             let (lo, hi) = mine
                 .iter()
                 .map(|&n| grid.xy(n).coords.dot(&across))
@@ -242,7 +269,7 @@ pub(super) fn apply(
     let metrics = Metrics {
         cusp,
         pick_feed: pick_feed.as_ref(),
-        over_share: OVER_SHARE,
+        over_share: over_share(regions),
     };
     let source_of = |k: usize, f: &Feature| -> Option<&Chosen> {
         chosen.iter().find(|c| match (c.seed, f.seed) {
@@ -260,7 +287,12 @@ pub(super) fn apply(
     let new: Vec<Option<Feature>> = (0..wanted.len())
         .into_par_iter()
         .map(|k| {
-            let c = wanted[k]?;
+            let Some(c) = wanted[k] else {
+                // A face must have some field.
+                return (regions.features[k].kind == FeatureKind::Face)
+                    .then(|| refield(grid, &metrics, regions, k, &FieldSource::Planes(0.0), false))
+                    .flatten();
+            };
             let rim_is_cut = match c.source {
                 FieldSource::Rim(seed) => regions
                     .features
@@ -269,13 +301,27 @@ pub(super) fn apply(
                     .is_some_and(|j| wanted[j].is_none()),
                 _ => false,
             };
-            refield(grid, &metrics, regions, k, &c.source, rim_is_cut)
+            refield(grid, &metrics, regions, k, &c.source, rim_is_cut).or_else(|| {
+                (regions.features[k].kind == FeatureKind::Face)
+                    .then(|| refield(grid, &metrics, regions, k, &FieldSource::Planes(0.0), false))
+                    .flatten()
+            })
         })
         .collect();
     for (f, new) in regions.features.iter_mut().zip(new) {
         if let Some(new) = new {
             *f = new;
         }
+    }
+}
+
+/// Share of the ground of such features that may get a cusp over the wanted one from plane sections.
+fn over_share(regions: &Regions) -> f64 {
+    let faces = regions.features.iter().any(|f| f.kind == FeatureKind::Face);
+    if faces {
+        OVER_SHARE_OF_FACES
+    } else {
+        OVER_SHARE
     }
 }
 

@@ -7,7 +7,8 @@ use super::pass::Pass;
 use super::pencil::{PencilOptions, needed, pencil};
 use super::plan::{Ground, PlanOptions};
 use super::wall::{Steep, Uprights, WallOptions, Walls, steep, walls};
-use crate::feature::Regions;
+use crate::feature::{FaceOptions, Faces, FeatureKind, Regions, faces};
+use crate::geom::Point;
 use crate::part::Mesh;
 use crate::reach::creases;
 
@@ -22,10 +23,12 @@ pub(super) struct Detail {
     pencils: Vec<Pass>,
     walls: Walls,
     pub steep: Steep,
+    /// The ground divided by walls and sharp edges; none where nothing does, or where it would not be laid.
+    pub faces: Option<Faces>,
 }
 
 impl Detail {
-    pub fn find(part: &Mesh, ground: &Ground, options: &PlanOptions) -> Detail {
+    pub fn find(part: &Mesh, ground: &Ground, options: &PlanOptions, parted: bool) -> Detail {
         let (grid, cutter) = (&ground.grid, &ground.cutter);
         let fitting = FitOptions::for_scallop(options.scallop, cutter.radius());
         let stepover = flat_stepover(options.scallop, cutter.radius());
@@ -36,7 +39,12 @@ impl Detail {
             &uprights,
             &WallOptions {
                 angle: options.wall_angle.to_radians(),
-                stepover: flat_stepover(PLAN_SHARES[0] * options.scallop, cutter.radius()),
+                // Passes keep off the wall, and cusps stand that much higher on it.
+                stepover: flat_stepover(
+                    (PLAN_SHARES[0] * options.scallop - pencils.off_wall)
+                        .max(0.5 * options.scallop),
+                    cutter.radius(),
+                ),
                 floor: options.floor.unwrap_or(cutter.bounds().min.z),
                 flute: options.flute,
                 deepest: options.deepest,
@@ -48,6 +56,15 @@ impl Detail {
             walls: walls(grid, cutter, &uprights, &steep, &creases, &fitting),
             pencils: pencil(cutter, &creases, &pencils, &fitting),
             steep,
+            faces: parted
+                .then(|| {
+                    let how = FaceOptions {
+                        wall_angle: options.wall_angle.to_radians(),
+                        stepover,
+                    };
+                    faces(grid, &how)
+                })
+                .flatten(),
         }
     }
 
@@ -81,15 +98,35 @@ impl Detail {
     }
 }
 
+/// The feature at a place; for one on a wall or an edge between faces the lowest of those beside it.
+fn beside(q: &Point, ground: &Ground, regions: &Regions) -> Option<usize> {
+    let grid = &ground.grid;
+    let here = regions.feature_at(grid, &q.xy());
+    let faces = regions
+        .features
+        .first()
+        .is_some_and(|f| f.kind == FeatureKind::Face);
+    if here.is_some() || !faces {
+        return here;
+    }
+    let n = grid.nearest(q.x, q.y)?;
+    (-BESIDE..=BESIDE)
+        .flat_map(|dy| (-BESIDE..=BESIDE).map(move |dx| (dx, dy)))
+        .filter_map(|d| grid.neighbour(n, d))
+        .filter(|&j| regions.label[j] > 0)
+        .min_by(|&a, &b| grid.center_z[a].total_cmp(&grid.center_z[b]))
+        .map(|j| regions.label[j] as usize - 1)
+}
+
+/// Nodes to either side in which a face counts as beside a place.
+const BESIDE: i32 = 2;
+
 /// Passes given to the features they begin in.
 fn of_features(passes: &[Pass], ground: &Ground, regions: &Regions) -> Vec<Pass> {
     passes
         .iter()
         .map(|p| Pass {
-            feature: p
-                .points
-                .first()
-                .and_then(|q| regions.feature_at(&ground.grid, &q.xy())),
+            feature: p.points.first().and_then(|q| beside(q, ground, regions)),
             ..p.clone()
         })
         .collect()

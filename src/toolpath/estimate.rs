@@ -4,7 +4,7 @@
 use super::layout::{Bench, PLAN_SHARES, flat_stepover};
 use super::plan::Strategy;
 use crate::feature::source::nodes;
-use crate::feature::{Feature, Regions, Source, sources};
+use crate::feature::{Feature, FeatureKind, Regions, Source, sources};
 use crate::field::{Metric, Ruler, level_curves};
 use crate::geom::{Point2, Vector2};
 use crate::reach::{NodeKind, ToolCentreGrid};
@@ -214,8 +214,17 @@ pub(super) fn feature_time(
                 && meets(grid, metric, &value, i)
         })
         .count();
-    sum + meeting as f64 / 3.0 * grid.step / feed
+    // A face is cut where its fronts meet in bits, each with a way to it.
+    let bits = if f.kind == FeatureKind::Face {
+        BITS
+    } else {
+        1.0
+    };
+    sum + bits * meeting as f64 / 3.0 * grid.step / feed
 }
+
+/// Where the fronts of a face meet, fills and the ways to them are so many times as long as the line they meet in.
+const BITS: f64 = 3.0;
 
 /// Whether the field rises by much less than its metric says.
 fn meets(grid: &ToolCentreGrid, metric: &Metric, value: &dyn Fn(usize) -> f64, i: usize) -> bool {

@@ -9,12 +9,14 @@ use super::choose::{Chosen, apply};
 use super::detail::Detail;
 use super::errand::{ErrandOptions, errands};
 use super::even::{EvenOptions, correction};
-use super::fill::{FillOptions, FillReport, cusps_at_nodes, fill};
+use super::fill::{FillOptions, FillReport, cusps_at_nodes, fill, segments};
 use super::fit::FitOptions;
 use super::link::{Air, LinkOptions, link};
 use super::order::order;
 use super::pass::{Fitted, Pass, PassKind, PassOptions, passes};
+use super::pencil::needed;
 use super::plan::{Candidate, Ground, Plan, PlanOptions, Stage, Strategy, Weigh};
+use super::ridge::ridges;
 use super::sharp::sharp_turns;
 use crate::feature::{GrowOptions, Regions, Source, farthest, grow, whole};
 use crate::field::{Front, Metric, Ruler};
@@ -33,6 +35,8 @@ pub enum Layout {
     Whole(Source),
     /// The whole part in plane sections at this angle from X, degrees.
     Raster(f64),
+    /// Ground parted by walls and sharp edges, each face of it as it is quickest.
+    Faces,
 }
 
 impl Layout {
@@ -43,6 +47,7 @@ impl Layout {
             Layout::Features(s) => s.name().to_string(),
             Layout::Whole(s) => format!("whole from {}", s.name),
             Layout::Raster(angle) => format!("raster at {angle:.0} deg"),
+            Layout::Faces => "each face its quickest".to_string(),
         }
     }
 }
@@ -69,7 +74,7 @@ pub const PLAN_SHARES: [f64; 5] = [0.96, 0.92, 0.86, 0.78, 0.70];
 /// The share for a part that is too large to be laid more than once.
 const ONE_SHARE: f64 = 0.92;
 /// Grids with more nodes than this are laid once: what to lay is decided from estimates, and nothing is laid only to compare with.
-const LAID_TWICE: usize = 3_000_000;
+pub(super) const LAID_TWICE: usize = 3_000_000;
 /// Fills no longer than this share of the passes are not worth a second plan.
 const FILL_SHARE: f64 = 0.005;
 /// Fill where a cusp is higher than this share of what is wanted. All of it: fill measures as exactly as the dry run does, and a little more
@@ -110,6 +115,23 @@ impl Bench<'_> {
             .get_or_init(|| Air::new(self.part, &self.ground.cutter, self.links))
     }
 
+    /// The cusp metric that a layout's fields are made with, and its cusps judged by: that of faces sees nothing across what parts them.
+    pub fn metric(&self, layout: &Layout, spaced_for: f64) -> Metric {
+        let grid = &self.ground.grid;
+        match (layout, &self.detail.faces) {
+            (Layout::Faces, Some(f)) => Metric::new(&f.parted(grid), Ruler::IsoScallop, spaced_for),
+            _ => Metric::new(grid, Ruler::IsoScallop, spaced_for),
+        }
+    }
+
+    /// Features of a layout, in that metric; those of faces are without fields yet.
+    pub fn regions(&self, layout: &Layout, spaced_for: f64, cusp: &Metric) -> Regions {
+        match (layout, &self.detail.faces) {
+            (Layout::Faces, Some(f)) => f.regions(&self.ground.grid),
+            _ => regions_of(self.ground, layout, spaced_for, cusp),
+        }
+    }
+
     /// Whether the part is small enough to be laid several times over.
     pub fn small(&self) -> bool {
         self.ground.grid.len() <= LAID_TWICE
@@ -144,6 +166,11 @@ pub(super) fn regions_of(
             )
         }
         Layout::Whole(source) => whole(grid, cusp, cusp, source, &how),
+        // Found once for a part: see `Bench::regions`.
+        Layout::Faces => Regions {
+            features: Vec::new(),
+            label: vec![0; grid.len()],
+        },
         Layout::Raster(angle) => {
             how.ruler = Strategy::Raster(Some(*angle)).ruler();
             how.over_share = 0.0;
@@ -251,8 +278,8 @@ fn lay_at(
         share * options.scallop
     };
     let fitting = FitOptions::for_scallop(options.scallop, cutter.radius());
-    let mut metric = Metric::new(grid, Ruler::IsoScallop, spaced_for);
-    let mut regions = regions_of(ground, layout, spaced_for, &metric);
+    let mut metric = bench.metric(layout, spaced_for);
+    let mut regions = bench.regions(layout, spaced_for, &metric);
     apply(grid, &metric, spaced_for, fields, &mut regions);
     stage(Stage::Passes);
     let stepover = flat_stepover(options.scallop, cutter.radius());
@@ -287,13 +314,18 @@ fn lay_at(
         for (t, f) in metric.tensor.iter_mut().zip(&factor) {
             t.iter_mut().for_each(|v| *v *= f64::from(*f));
         }
-        regions = regions_of(ground, layout, spaced_for, &metric);
+        regions = bench.regions(layout, spaced_for, &metric);
         apply(grid, &metric, spaced_for, fields, &mut regions);
     }
     let mut laid = passes(grid, cutter, &regions, &shape, &detail.steep, &fitting);
     // What is shorter than its distance to the next is no pass: the fill finds what it would be missed for.
     laid.retain(|p| p.kind != PassKind::Level || p.closed || p.length() >= stepover);
     let walls = detail.walls(ground, &regions);
+    if *layout == Layout::Faces {
+        let ridges = ridges(grid, cutter, &regions, &metric, stepover, &fitting);
+        let ridges = needed(ridges, cutter, &segments(&laid), options.scallop, stepover);
+        laid.extend(ridges);
+    }
     laid.extend(walls.passes);
     let pencils = detail.pencils(ground, &regions, &laid, options.scallop);
     laid.extend(pencils);
@@ -412,7 +444,7 @@ fn home(cutter: &DropCutter) -> Point {
 fn layout_ruler(layout: &Layout) -> Ruler {
     match layout {
         Layout::Features(s) => s.ruler(),
-        Layout::Whole(_) => Ruler::IsoScallop,
+        Layout::Whole(_) | Layout::Faces => Ruler::IsoScallop,
         Layout::Raster(a) => Strategy::Raster(Some(*a)).ruler(),
     }
 }

@@ -7,6 +7,7 @@ use super::chain::{Chain, Ends, exit, quickest_turn, smooth_link, start};
 use super::fit::FitOptions;
 use super::lead::{self, Lead};
 use super::moves::{Move, MoveKind, Section, Toolpath};
+use super::onward::onward;
 use super::pass::{Pass, PassKind, slopes};
 use super::turn::Slant;
 use crate::feature::Regions;
@@ -315,6 +316,7 @@ fn between(
         onto: &onto,
     };
     let points = surface_or_bridge(cutter, &way, &ends, options, fitting)
+        .or_else(|| onward(cutter, ends.before, ends.onto, fitting))
         // Up or down a wall along it, where that is quicker than through the air.
         .or_else(|| smooth_link(cutter, way, &ends, options, fitting));
     let Some(points) = points else {

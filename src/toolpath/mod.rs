@@ -4,8 +4,8 @@
 //! plan: which layouts (estimate), each laid and weighed, the quickest kept
 //!   layout: regions -> level curves in plan, corners rounded, trimmed to free ground (pass, border, corner)
 //!           -> measured as a draft, the metric evened out, laid again (even)
-//!           -> walls at constant height, pencils along creases (detail, wall, pencil)
-//!           -> dropped onto the part and fitted (fit) -> joined end to end by smooth turns (chain, turn)
+//!           -> walls at constant height, pencils along creases (detail, wall, pencil), ridges of faces where fronts meet (ridge)
+//!           -> dropped onto the part and fitted (fit) -> joined end to end by smooth turns (chain, turn, onward)
 //!           -> swept, and filled where a cusp stands over (fill, stroke, skeleton, settle)
 //!           -> put in order (order) -> linked along the surface or just over it (bridge), with arcs off and onto it (link, lead) -> moves, arcs
 //! ```
@@ -32,10 +32,12 @@ mod layout;
 mod lead;
 pub mod link;
 pub mod moves;
+mod onward;
 pub mod order;
 pub mod pass;
 pub mod pencil;
 pub mod plan;
+mod ridge;
 pub mod saddle;
 mod settle;
 pub mod sharp;

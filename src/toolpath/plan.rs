@@ -6,7 +6,7 @@ use super::estimate::{best_raster_angle, best_source};
 use super::fill::{FillReport, far};
 use super::fit::FitOptions;
 use super::layout::{
-    Bench, Known, Layout, PLAN_SHARES, flat_stepover, lay, regions_of, sweep_step,
+    Bench, Known, LAID_TWICE, Layout, PLAN_SHARES, flat_stepover, lay, regions_of, sweep_step,
 };
 use super::link::LinkOptions;
 use super::moves::{MoveKind, Toolpath};
@@ -341,6 +341,8 @@ const NEAR_SADDLE: f64 = 3.0;
 
 /// What the estimate says takes this much longer than the whole part as one feature is not laid.
 const NOT_LAID: f64 = 1.15;
+/// Where faces take less than this share of the time of the whole part as one feature, features that grow over walls are not laid.
+const PARTED: f64 = 0.95;
 /// Features have corners that the whole part has not, so they begin with the second of the shares.
 const FEATURES_FROM: usize = 1;
 
@@ -366,7 +368,8 @@ pub fn plan<'g>(
     let stepover = flat_stepover(options.scallop, ground.cutter.radius());
     let reach = ReachTiles::new(&ground.cutter, step, far(stepover, step) as usize + 2);
     let air = OnceLock::new();
-    let detail = Detail::find(part, ground, options);
+    let parted = options.strategy == Strategy::Auto && ground.grid.len() <= LAID_TWICE;
+    let detail = Detail::find(part, ground, options, parted);
     let bench = Bench {
         ground,
         detail: &detail,
@@ -390,16 +393,29 @@ pub fn plan<'g>(
             plans.push(lay(&bench, &whole, &[], &Known::default(), stage));
             if options.strategy == Strategy::Auto && small {
                 stage(Stage::Choose);
-                let choice = choose(&bench, Strategy::Auto);
-                if choice.time < NOT_LAID * whole_time {
-                    let to_beat = plans.first().map(|p| p.figures.time_s);
+                if detail.faces.is_some() {
+                    let choice = choose(&bench, &Layout::Faces);
                     let known = Known {
-                        share: FEATURES_FROM
-                            .max(plans.first().map_or(0, |p| share_of(p, options.scallop))),
-                        to_beat,
+                        share: plans.first().map_or(0, |p| share_of(p, options.scallop)),
+                        to_beat: plans.first().map(|p| p.figures.time_s),
                     };
-                    let layout = Layout::Features(choice.strategy());
-                    plans.push(lay(&bench, &layout, &choice.fields, &known, stage));
+                    plans.push(lay(&bench, &Layout::Faces, &choice.fields, &known, stage));
+                }
+                // Passes that run over walls have no chance where passes between them do much better.
+                let times: Vec<f64> = plans.iter().map(|p| p.figures.time_s).collect();
+                let parted = matches!(times[..], [whole, faces] if faces < PARTED * whole);
+                if !parted {
+                    stage(Stage::Choose);
+                    let choice = choose(&bench, &Layout::Features(Strategy::Auto));
+                    if choice.time < NOT_LAID * whole_time {
+                        let known = Known {
+                            share: FEATURES_FROM
+                                .max(plans.first().map_or(0, |p| share_of(p, options.scallop))),
+                            to_beat: times.iter().copied().reduce(f64::min),
+                        };
+                        let layout = Layout::Features(choice.strategy());
+                        plans.push(lay(&bench, &layout, &choice.fields, &known, stage));
+                    }
                 }
             }
         }
@@ -407,7 +423,7 @@ pub fn plan<'g>(
             plans.push(lay(&bench, &raster(angle), &[], &Known::default(), stage));
         }
         other => {
-            let choice = choose(&bench, other);
+            let choice = choose(&bench, &Layout::Features(other));
             let known = Known {
                 share: FEATURES_FROM,
                 to_beat: None,

@@ -4,6 +4,7 @@
 mod common;
 mod plans;
 
+mod faces;
 mod feature;
 mod field;
 mod finish;
