@@ -11,6 +11,7 @@ use super::errand::{ErrandOptions, errands};
 use super::even::{EvenOptions, correction};
 use super::fill::{FillOptions, FillReport, cusps_at_nodes, fill};
 use super::fit::FitOptions;
+use super::ease::{EaseOptions, ease_passes};
 use super::link::{Air, LinkOptions, link};
 use super::order::order;
 use super::pass::{Fitted, Pass, PassKind, PassOptions, passes};
@@ -225,6 +226,9 @@ pub(super) fn lay(
     best
 }
 
+/// Corners of passes are cut short by at most this share of a stepover on either side.
+const EASED: f64 = 0.45;
+
 fn lay_at(
     bench: &Bench,
     layout: &Layout,
@@ -298,6 +302,14 @@ fn lay_at(
     let pencils = detail.pencils(ground, &regions, &laid, options.scallop);
     laid.extend(pencils);
     drop(metric);
+    let mut to_ease = EaseOptions {
+        pass: EASED * stepover,
+        link: 3.0,
+        over: &[],
+        gouge: fitting.gouge,
+        decimal: fitting.decimal,
+    };
+    ease_passes(cutter, &mut laid, &to_ease);
     let how = ChainOptions {
         stepover,
         reach: REACH,
@@ -318,7 +330,10 @@ fn lay_at(
         FillReport::default()
     };
     stage(Stage::Link);
-    joined.extend(chains(cutter, all.split_off(before), &how, links, &fitting));
+    let mut fills = all.split_off(before);
+    to_ease.pass = 0.1;
+    ease_passes(cutter, &mut fills, &to_ease);
+    joined.extend(chains(cutter, fills, &how, links, &fitting));
     let how = ErrandOptions {
         longest: ERRAND * stepover,
         reach: AWAY * stepover,
