@@ -16,50 +16,89 @@ use super::moves::{Move, MoveKind, Toolpath};
 use super::pass::Pass;
 use super::sharp::SHORTEST;
 use super::turn::{Pose, Slant, turn};
-use crate::geom::{Point, Vector};
+use crate::geom::{Point, Point2, Vector};
 use crate::reach::{DropCutter, Hint};
 use rayon::prelude::*;
 
 /// What may be done to a sharp turn.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct EaseOptions {
+pub struct EaseOptions<'a> {
     /// The longest stretch of a pass that may be left out on either side of it, mm.
     pub pass: f64,
+    /// How much of a climb up or down a wall counts as such a stretch: no cusp hangs on it, but its ends are at one.
+    pub climb: f64,
     /// The same of a link, mm.
     pub link: f64,
-    /// Radii of ways over it, off the surface, mm; none for bends beside it only.
+    /// Radii of ways over it, off the surface, in stepovers; none for bends beside it only.
     pub over: &'static [f64],
     /// How deep a chord may cut, along the normal, mm.
     pub gouge: f64,
     /// The last decimal of the program, mm; zero for any place.
     pub decimal: f64,
+    /// Flat stepover of the job, mm: the measure of bends.
+    pub stepover: f64,
+    /// Saddles in plan: near them the way shall turn even less.
+    pub saddles: &'a [Point2],
 }
 
-/// Radii of loops off the surface.
-pub const OVER: &[f64] = &[0.25, 0.4, 0.7, 1.2];
-/// Turns beyond this are eased, rad: a little under what counts as sharp, which is judged again behind the program's decimals.
-const EASED: f64 = 0.47;
-/// A bend turns no more than this from one chord to the next, rad.
-const MOST: f64 = 0.40;
-/// Pieces of a bend: so much turn each, rad, and so long at most, mm.
-const PIECE: (f64, f64) = (0.2, 0.1);
+/// How much the way may turn at a place, rad.
+#[derive(Clone, Copy, Debug)]
+struct Limits {
+    /// Turns beyond this are eased: a little under what counts as sharp, which is judged again behind the program's decimals.
+    eased: f64,
+    /// A bend turns no more than this from one chord to the next.
+    most: f64,
+    /// Turn of each piece of a bend.
+    piece: f64,
+}
+
+const ANYWHERE: Limits = Limits {
+    eased: 0.47,
+    most: 0.40,
+    piece: 0.2,
+};
+const NEAR_SADDLE: Limits = Limits {
+    eased: 0.25,
+    most: 0.235,
+    piece: 0.12,
+};
+
+impl EaseOptions<'_> {
+    fn limits(&self, at: &Point) -> Limits {
+        let near = |s: &Point2| (at.xy() - s).norm() <= NEAR * self.stepover;
+        if self.saddles.iter().any(near) {
+            NEAR_SADDLE
+        } else {
+            ANYWHERE
+        }
+    }
+}
+
+/// Good radii of loops off the surface, in stepovers.
+pub const OVER: &[f64] = &[0.35, 0.6, 1.0, 1.7];
+/// What is near a saddle, in stepovers.
+const NEAR: f64 = 3.0;
+/// Pieces of a bend are no longer, mm.
+const PIECE: f64 = 0.1;
 /// Chords are proven at places this far apart, mm.
 const PROBE: f64 = 0.025;
 /// How far a bend is pushed out of the part at most, mm.
 const PUSH: f64 = 0.25;
-/// How far from the corner a bend may begin and end, mm.
+/// How far from the corner a bend may begin and end, in stepovers.
 const OFFSETS: [f64; 13] = [
-    0.0, 0.05, 0.1, 0.15, 0.2, 0.3, 0.45, 0.7, 1.0, 1.5, 2.2, 3.2, 4.5,
+    0.0, 0.07, 0.15, 0.22, 0.3, 0.45, 0.65, 1.0, 1.5, 2.2, 3.2, 4.6, 6.5,
 ];
-/// The offset that is liked best on links, mm.
-const LIKED: f64 = 0.3;
+/// The offset that is liked best on links, in stepovers.
+const LIKED: f64 = 0.45;
 /// Ways that go back on themselves by more than this may be spikes, rad.
 const BACK: f64 = 2.6;
-/// The two sides of a spike are no further apart, mm.
-const SPIKE: f64 = 0.06;
+/// The two sides of a spike are no further apart, in stepovers.
+const SPIKE: f64 = 0.09;
+/// How wide its tip may be, in stepovers.
+const TIPS: [f64; 4] = [0.0, 0.04, 0.1, 0.17];
 /// No spike is longer, mm.
 const LONGEST_SPIKE: f64 = 20.0;
-/// Moves steeper than this (rise over length) climb a wall: no cusp hangs on them.
+/// Moves steeper than this (rise over length) climb a wall.
 const CLIMB: f64 = 0.98;
 
 /// A way along the surface: places of the ball's centre and what each move between them is.
@@ -72,7 +111,7 @@ struct Run {
     origin: Vec<usize>,
     /// Way to each point, mm.
     along: Vec<f64>,
-    /// The part of it that is cut on the level, mm.
+    /// The part of it that is cut, climbs counted as far as they count, mm.
     cut: Vec<f64>,
 }
 
@@ -94,7 +133,7 @@ struct Corner {
     point: usize,
     before: Vector,
     after: Vector,
-    turn: f64,
+    limits: Limits,
 }
 
 fn angle(a: &Vector, b: &Vector) -> f64 {
@@ -102,7 +141,7 @@ fn angle(a: &Vector, b: &Vector) -> f64 {
 }
 
 impl Run {
-    fn measure(&mut self) {
+    fn measure(&mut self, climb: f64) {
         self.along.clear();
         self.cut.clear();
         let (mut s, mut c) = (0.0, 0.0);
@@ -111,8 +150,8 @@ impl Run {
                 let d = self.points[k] - self.points[k - 1];
                 let l = d.norm();
                 s += l;
-                if self.kinds[k] == MoveKind::Cut && d.z.abs() < CLIMB * l {
-                    c += l;
+                if self.kinds[k] == MoveKind::Cut {
+                    c += if d.z.abs() < CLIMB * l { l } else { climb * l };
                 }
             }
             self.along.push(s);
@@ -121,7 +160,7 @@ impl Run {
     }
 
     /// The next turn over the limit that is not the part's, of those behind the point `from`.
-    fn corner(&self, cutter: &DropCutter, from: usize) -> Option<Corner> {
+    fn corner(&self, cutter: &DropCutter, from: usize, how: &EaseOptions) -> Option<Corner> {
         let first = self.points.get(from)?;
         let (mut at, mut start, mut way) = (from, *first, None::<Vector>);
         for (k, p) in self.points.iter().enumerate().skip(from + 1) {
@@ -133,12 +172,17 @@ impl Run {
             let after = d / l;
             if let Some(before) = way {
                 let turn = angle(&before, &after);
-                if turn > EASED && cutter.own_turn(&start, &before, &after) > EASED {
+                // The gentlest limit first: most turns are below it.
+                if turn > NEAR_SADDLE.eased
+                    && let limits = how.limits(&start)
+                    && turn > limits.eased
+                    && cutter.own_turn(&start, &before, &after) > limits.eased
+                {
                     return Some(Corner {
                         point: at,
                         before,
                         after,
-                        turn,
+                        limits,
                     });
                 }
             }
@@ -180,7 +224,7 @@ impl Run {
     }
 
     /// Puts a bend in place of what is between two places. Returns the point before it.
-    fn splice(&mut self, a: &Place, b: &Place, bend: &[Point], kind: MoveKind) -> usize {
+    fn splice(&mut self, a: &Place, b: &Place, bend: &[Point], kind: MoveKind, climb: f64) -> usize {
         let origin = self.origin[(a.after + 1).min(self.origin.len() - 1)];
         let behind = b.after + 1;
         let first_kind = self.kinds[(a.after + 1).min(self.kinds.len() - 1)];
@@ -208,7 +252,7 @@ impl Run {
             // What led to the point came from elsewhere.
             self.origin[from] = origin.min(self.origin[from]);
         }
-        self.measure();
+        self.measure(climb);
         from.saturating_sub(1)
     }
 }
@@ -216,7 +260,7 @@ impl Run {
 /// What stands in the way of a bend, and how it is proven.
 struct Proof<'a> {
     cutter: &'a DropCutter,
-    how: &'a EaseOptions,
+    how: &'a EaseOptions<'a>,
     hint: Hint,
 }
 
@@ -253,9 +297,15 @@ impl Proof<'_> {
     }
 
     /// The bend as it may be gone: pushed out of the part, on the program's decimals, nowhere sharp.
-    fn proven(&mut self, a: &Place, b: &Place, mut bend: Vec<Point>) -> Option<Vec<Point>> {
+    fn proven(
+        &mut self,
+        a: &Place,
+        b: &Place,
+        mut bend: Vec<Point>,
+        most: f64,
+    ) -> Option<Vec<Point>> {
         let n = bend.len();
-        if n < 2 || !smooth(&a.heading, &bend, &b.heading) {
+        if n < 2 || !smooth(&a.heading, &bend, &b.heading, most) {
             return None;
         }
         for (k, q) in bend.iter_mut().enumerate() {
@@ -267,7 +317,7 @@ impl Proof<'_> {
             *q = self.snapped(*q);
         }
         bend.dedup_by(|q, p| (*q - *p).norm() < 1e-6);
-        if bend.len() < 2 || !smooth(&a.heading, &bend, &b.heading) {
+        if bend.len() < 2 || !smooth(&a.heading, &bend, &b.heading, most) {
             return None;
         }
         bend.windows(2)
@@ -276,7 +326,7 @@ impl Proof<'_> {
     }
 }
 
-fn smooth(before: &Vector, bend: &[Point], after: &Vector) -> bool {
+fn smooth(before: &Vector, bend: &[Point], after: &Vector, most: f64) -> bool {
     let mut way = *before;
     let mut at = bend[0];
     for q in &bend[1..] {
@@ -286,16 +336,16 @@ fn smooth(before: &Vector, bend: &[Point], after: &Vector) -> bool {
             continue;
         }
         let d = d / l;
-        if angle(&way, &d) > MOST {
+        if angle(&way, &d) > most {
             return false;
         }
         (way, at) = (d, *q);
     }
-    angle(&way, after) <= MOST
+    angle(&way, after) <= most
 }
 
 /// A cubic from one place and heading to another: an arc where they lie so. Appended without its first point.
-fn cubic(from: &Point, u: &Vector, to: &Point, v: &Vector, out: &mut Vec<Point>) {
+fn cubic(from: &Point, u: &Vector, to: &Point, v: &Vector, piece: f64, out: &mut Vec<Point>) {
     let d = to - from;
     let chord = d.norm();
     let turn = angle(u, v);
@@ -310,8 +360,8 @@ fn cubic(from: &Point, u: &Vector, to: &Point, v: &Vector, out: &mut Vec<Point>)
     } else {
         turn
     };
-    let n = (all / PIECE.0)
-        .max(1.2 * chord / PIECE.1)
+    let n = (all / piece)
+        .max(1.2 * chord / PIECE)
         .ceil()
         .clamp(2.0, 200.0) as usize;
     for k in 1..=n {
@@ -326,14 +376,14 @@ fn cubic(from: &Point, u: &Vector, to: &Point, v: &Vector, out: &mut Vec<Point>)
 }
 
 /// Straight from place to place, round.
-fn beside(a: &Place, b: &Place) -> Vec<Point> {
+fn beside(a: &Place, b: &Place, piece: f64) -> Vec<Point> {
     let mut out = vec![a.at];
-    cubic(&a.at, &a.heading, &b.at, &b.heading, &mut out);
+    cubic(&a.at, &a.heading, &b.at, &b.heading, piece, &mut out);
     out
 }
 
 /// Up, back over, and down.
-fn over(a: &Place, b: &Place, radius: f64) -> Option<Vec<Point>> {
+fn over(a: &Place, b: &Place, radius: f64, piece: f64) -> Option<Vec<Point>> {
     let across = b.at - a.at;
     let flat = Vector::new(across.x, across.y, 0.0);
     let level = |v: &Vector| Vector::new(v.x, v.y, 0.0).try_normalize(0.05);
@@ -345,27 +395,36 @@ fn over(a: &Place, b: &Place, radius: f64) -> Option<Vec<Point>> {
     let top = nalgebra::center(&a.at, &b.at).coords;
     let top = Point::new(top.x, top.y, a.at.z.max(b.at.z) + 2.0 * radius);
     let mut out = vec![a.at];
-    cubic(&a.at, &a.heading, &top, &way, &mut out);
-    cubic(&top, &way, &b.at, &b.heading, &mut out);
+    cubic(&a.at, &a.heading, &top, &way, piece, &mut out);
+    cubic(&top, &way, &b.at, &b.heading, piece, &mut out);
     Some(out)
+}
+
+/// How far the way goes back on itself from a place on (mm before it, behind it): on its own line, or the width of a spike's tip beside.
+fn spike(run: &Run, s: f64, stepover: f64) -> Option<(f64, f64)> {
+    let step = 0.07 * stepover;
+    TIPS.iter()
+        .map(|tip| tip * stepover)
+        .flat_map(|tip| [(tip, 0.0), (0.0, tip)])
+        .filter_map(|(p, q)| {
+            let mut e = 0.0;
+            while e < LONGEST_SPIKE
+                && let (Some(a), Some(b)) = (run.place(s - p - e - step), run.place(s + q + e + step))
+                && (a.at - b.at).norm() < SPIKE * stepover
+                && angle(&a.heading, &b.heading) > BACK
+            {
+                e += step;
+            }
+            (e > 2.0 * step).then_some((p + e, q + e))
+        })
+        .max_by(|a, b| a.0.min(a.1).total_cmp(&b.0.min(b.1)))
 }
 
 /// Windows about a corner, the best liked first: two places with what is left out between them within what may be.
 fn windows(run: &Run, c: &Corner, how: &EaseOptions) -> Vec<(f64, Place, Place)> {
     let (s, cut) = (run.along[c.point], run.cut[c.point]);
     let mut bases = vec![(0.0, 0.0)];
-    if c.turn > BACK {
-        let mut e = 0.0;
-        while e < LONGEST_SPIKE
-            && let (Some(a), Some(b)) = (run.place(s - e - 0.05), run.place(s + e + 0.05))
-            && (a.at - b.at).norm() < SPIKE
-        {
-            e += 0.05;
-        }
-        if e > 0.1 {
-            bases.insert(0, (e, e));
-        }
-    }
+    bases.splice(0..0, spike(run, s, how.stepover));
     let own = |heading: &Vector| Place {
         at: run.points[c.point],
         heading: *heading,
@@ -378,6 +437,7 @@ fn windows(run: &Run, c: &Corner, how: &EaseOptions) -> Vec<(f64, Place, Place)>
         OFFSETS
             .iter()
             .filter_map(|o| {
+                let o = o * how.stepover;
                 let off = base + o;
                 let place = if off == 0.0 {
                     own(if back { &c.before } else { &c.after })
@@ -390,10 +450,10 @@ fn windows(run: &Run, c: &Corner, how: &EaseOptions) -> Vec<(f64, Place, Place)>
                 }
                 let cost = if cut > 0.5 * o {
                     2.0 * o
-                } else if *o == 0.0 {
-                    0.35
+                } else if o == 0.0 {
+                    0.5 * how.stepover
                 } else {
-                    (o - LIKED).abs()
+                    (o - LIKED * how.stepover).abs()
                 };
                 Some((cost, place))
             })
@@ -421,32 +481,34 @@ const TRIES: usize = 40;
 fn mend(proof: &mut Proof, run: &mut Run, c: &Corner) -> Option<usize> {
     let how = proof.how;
     let windows = windows(run, c, how);
+    let Limits { most, piece, .. } = c.limits;
     let kind_of = |run: &Run, a: &Place, b: &Place| match run.kinds_between(a, b) {
         (MoveKind::Cut, MoveKind::Cut) => MoveKind::Cut,
+        // Links are what leads from one to the other, also out of a plunge.
         _ => MoveKind::Link,
     };
     for (_, a, b) in &windows {
-        if b.along - a.along < 0.02 || angle(&a.heading, &b.heading) > BACK {
+        if b.along - a.along < 0.03 * how.stepover || angle(&a.heading, &b.heading) > BACK {
             continue;
         }
-        if let Some(bend) = proof.proven(a, b, beside(a, b)) {
+        if let Some(bend) = proof.proven(a, b, beside(a, b, piece), most) {
             let kind = kind_of(run, a, b);
-            return Some(run.splice(a, b, &bend, kind));
+            return Some(run.splice(a, b, &bend, kind, how.climb));
         }
     }
     for radius in how.over {
         for (_, a, b) in windows.iter().take(TRIES) {
-            let way = over(a, b, *radius);
-            if let Some(bend) = way.and_then(|w| proof.proven(a, b, w)) {
-                return Some(run.splice(a, b, &bend, MoveKind::Link));
+            let way = over(a, b, radius * how.stepover, piece);
+            if let Some(bend) = way.and_then(|w| proof.proven(a, b, w, most)) {
+                return Some(run.splice(a, b, &bend, MoveKind::Link, how.climb));
             }
         }
     }
     for radius in how.over {
         for (_, a, b) in windows.iter().take(TRIES / 4) {
-            let loops = round(proof.cutter, a, b, *radius);
-            if let Some(bend) = loops.and_then(|w| proof.proven(a, b, w)) {
-                return Some(run.splice(a, b, &bend, MoveKind::Link));
+            let loops = round(proof.cutter, a, b, radius * how.stepover);
+            if let Some(bend) = loops.and_then(|w| proof.proven(a, b, w, most)) {
+                return Some(run.splice(a, b, &bend, MoveKind::Link, how.climb));
             }
         }
     }
@@ -478,11 +540,11 @@ fn ease(cutter: &DropCutter, run: &mut Run, how: &EaseOptions) -> usize {
         hint: Hint::default(),
     };
     let (mut from, mut left) = (0, 0);
-    run.measure();
+    run.measure(how.climb);
     // Every corner is looked at a few times at most, as its neighbours are mended.
     let mut most = 4 * run.points.len();
     while most > 0
-        && let Some(c) = run.corner(cutter, from)
+        && let Some(c) = run.corner(cutter, from, how)
     {
         most -= 1;
         match mend(&mut proof, run, &c) {
@@ -520,23 +582,19 @@ pub fn ease_path(cutter: &DropCutter, path: &mut Toolpath, how: &EaseOptions) {
     let up = Vector::new(0.0, 0.0, cutter.radius());
     let moves = &path.moves;
     let surface = |m: &Move| matches!(m.kind, MoveKind::Cut | MoveKind::Link) && m.turn.is_none();
-    // Stretches along the surface: without the way up at the end of one, which is in the air.
+    // Stretches along the surface, with the plunge that leads onto one.
     let mut stretches: Vec<std::ops::Range<usize>> = Vec::new();
     let mut k = 1;
     while k < moves.len() {
         let first = k;
+        if moves[k].kind == MoveKind::Plunge {
+            k += 1;
+        }
         while k < moves.len() && surface(&moves[k]) {
             k += 1;
         }
-        let mut end = k;
-        if end > first + 1
-            && moves.get(end).is_some_and(|m| m.kind == MoveKind::Retract)
-            && (moves[end - 1].to.xy() - moves[end - 2].to.xy()).norm() < 1e-6
-        {
-            end -= 1;
-        }
-        if end > first + 1 {
-            stretches.push(first..end);
+        if k > first + 1 {
+            stretches.push(first..k);
         }
         k = k.max(first + 1);
     }

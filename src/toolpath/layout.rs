@@ -11,7 +11,7 @@ use super::errand::{ErrandOptions, errands};
 use super::even::{EvenOptions, correction};
 use super::fill::{FillOptions, FillReport, cusps_at_nodes, fill};
 use super::fit::FitOptions;
-use super::ease::{EaseOptions, ease_passes};
+use super::ease::{EaseOptions, OVER, ease_passes};
 use super::link::{Air, LinkOptions, link};
 use super::order::order;
 use super::pass::{Fitted, Pass, PassKind, PassOptions, passes};
@@ -19,7 +19,8 @@ use super::plan::{Candidate, Ground, Plan, PlanOptions, Stage, Strategy, Weigh};
 use super::sharp::sharp_turns;
 use crate::feature::{GrowOptions, Regions, Source, farthest, grow, whole};
 use crate::field::{Front, Metric, Ruler};
-use crate::geom::Point;
+use crate::geom::{Point, Point2};
+use crate::morse::CriticalKind;
 use crate::part::Mesh;
 use crate::reach::{DropCutter, NodeKind, ToolCentreGrid};
 use crate::sweep::ReachTiles;
@@ -228,6 +229,8 @@ pub(super) fn lay(
 
 /// Corners of passes are cut short by at most this share of a stepover on either side.
 const EASED: f64 = 0.45;
+/// And by this share where no fill comes behind: a cusp grows by less than a tenth from it.
+const SHORT: f64 = 0.15;
 
 fn lay_at(
     bench: &Bench,
@@ -302,14 +305,18 @@ fn lay_at(
     let pencils = detail.pencils(ground, &regions, &laid, options.scallop);
     laid.extend(pencils);
     drop(metric);
-    let mut to_ease = EaseOptions {
-        pass: EASED * stepover,
-        link: 3.0,
-        over: &[],
-        gouge: fitting.gouge,
-        decimal: fitting.decimal,
-    };
-    ease_passes(cutter, &mut laid, &to_ease);
+    let saddles = saddles(ground);
+    let to_ease = easing(&fitting, stepover, &saddles);
+    ease_passes(
+        cutter,
+        &mut laid,
+        &EaseOptions {
+            pass: EASED * stepover,
+            climb: 0.0,
+            over: &[],
+            ..to_ease
+        },
+    );
     let how = ChainOptions {
         stepover,
         reach: REACH,
@@ -331,8 +338,14 @@ fn lay_at(
     };
     stage(Stage::Link);
     let mut fills = all.split_off(before);
-    to_ease.pass = 0.1;
-    ease_passes(cutter, &mut fills, &to_ease);
+    ease_passes(
+        cutter,
+        &mut fills,
+        &EaseOptions {
+            over: &[],
+            ..to_ease
+        },
+    );
     joined.extend(chains(cutter, fills, &how, links, &fitting));
     let how = ErrandOptions {
         longest: ERRAND * stepover,
@@ -340,8 +353,15 @@ fn lay_at(
     };
     let joined = errands(cutter, joined, &how, links, &fitting);
     let ordered = order(joined, home(cutter));
-    let (toolpath, section_features) =
-        link(cutter, bench.air(), &ordered, &regions, links, &fitting);
+    let (toolpath, section_features) = link(
+        cutter,
+        bench.air(),
+        &ordered,
+        &regions,
+        links,
+        &fitting,
+        &to_ease,
+    );
     let passes: Vec<Pass> = ordered.into_iter().flatten().collect();
     let figures = weigh(&toolpath).with_turns(&sharp_turns(cutter, &toolpath));
     let cutting = passes.iter().filter(|p| p.kind != PassKind::Turn).count();
@@ -411,11 +431,40 @@ pub(super) fn rasters(
         &raster.regions,
         &links,
         &raster.fitting,
+        &easing(
+            &raster.fitting,
+            flat_stepover(bench.options.scallop, cutter.radius()),
+            &saddles(bench.ground),
+        ),
     );
     let figures = (bench.weigh)(&path).with_turns(&sharp_turns(cutter, &path));
     let name = format!("{} retracting", raster.layout.name());
     out.push(Candidate::of(name, &path, count, figures));
     out
+}
+
+/// How corners of a finished path are eased: there is no fill behind it any more, so passes are hardly cut short.
+fn easing<'a>(fitting: &FitOptions, stepover: f64, saddles: &'a [Point2]) -> EaseOptions<'a> {
+    EaseOptions {
+        pass: SHORT * stepover,
+        climb: 0.5,
+        link: 7.0 * stepover,
+        over: OVER,
+        gouge: fitting.gouge,
+        decimal: fitting.decimal,
+        saddles,
+        stepover,
+    }
+}
+
+/// The saddles of a surveyed part in plan.
+fn saddles(ground: &Ground) -> Vec<Point2> {
+    ground
+        .critical
+        .iter()
+        .filter(|c| c.kind == CriticalKind::Saddle)
+        .map(|c| c.center.xy())
+        .collect()
 }
 
 /// Where the tool comes from: the corner of the part nearest the operator's zero, lowest x and y, from above.

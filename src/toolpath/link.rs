@@ -4,7 +4,7 @@
 use super::bridge::surface_or_bridge;
 use super::calm::calm;
 use super::chain::{Chain, Ends, exit, quickest_turn, smooth_link, start};
-use super::ease::{EaseOptions, OVER, ease_path};
+use super::ease::{EaseOptions, ease_path};
 use super::fit::FitOptions;
 use super::lead::{self, Lead};
 use super::moves::{Move, MoveKind, Section, Toolpath};
@@ -100,6 +100,7 @@ pub fn link(
     regions: &Regions,
     options: &LinkOptions,
     fitting: &FitOptions,
+    easing: &EaseOptions,
 ) -> (Toolpath, Vec<Option<usize>>) {
     let down = Vector::new(0.0, 0.0, -cutter.radius());
     let mut path = Toolpath {
@@ -174,17 +175,7 @@ pub fn link(
         );
     }
     if std::env::var("MM_NOEASE").is_err() {
-    ease_path(
-        cutter,
-        &mut path,
-        &EaseOptions {
-            pass: 0.1,
-            link: 5.0,
-            over: OVER,
-            gouge: fitting.gouge,
-            decimal: fitting.decimal,
-        },
-    );
+    ease_path(cutter, &mut path, easing);
     labels = path.moves.iter().map(|m| if m.kind == MoveKind::Cut {"cut"} else {"link"}).collect();
     }
     if std::env::var("MM_TURNS").is_ok() {
