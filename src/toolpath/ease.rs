@@ -37,8 +37,10 @@ pub struct EaseOptions<'a> {
     pub decimal: f64,
     /// Flat stepover of the job, mm: the measure of bends.
     pub stepover: f64,
-    /// Saddles in plan: near them the way shall turn even less.
+    /// Saddles in plan: near them bends turn even less from chord to chord.
     pub saddles: &'a [Point2],
+    /// Turns beyond this are eased there, rad.
+    pub near_saddle: f64,
 }
 
 /// How much the way may turn at a place, rad.
@@ -52,13 +54,17 @@ struct Limits {
     piece: f64,
 }
 
+/// Sharp near saddles, rad, and anywhere.
+pub const GENTLE: f64 = 0.25;
+/// Anywhere.
+pub const SHARP: f64 = 0.47;
 const ANYWHERE: Limits = Limits {
-    eased: 0.47,
+    eased: SHARP,
     most: 0.40,
     piece: 0.2,
 };
 const NEAR_SADDLE: Limits = Limits {
-    eased: 0.25,
+    eased: GENTLE,
     most: 0.235,
     piece: 0.12,
 };
@@ -67,7 +73,10 @@ impl EaseOptions<'_> {
     fn limits(&self, at: &Point) -> Limits {
         let near = |s: &Point2| (at.xy() - s).norm() <= NEAR * self.stepover;
         if self.saddles.iter().any(near) {
-            NEAR_SADDLE
+            Limits {
+                eased: self.near_saddle,
+                ..NEAR_SADDLE
+            }
         } else {
             ANYWHERE
         }
@@ -140,6 +149,11 @@ fn angle(a: &Vector, b: &Vector) -> f64 {
     a.cross(b).norm().atan2(a.dot(b))
 }
 
+/// Straight up or down between the surface and the air: there is no part to ask for a corner.
+fn in_air(kind: MoveKind) -> bool {
+    matches!(kind, MoveKind::Plunge | MoveKind::Retract)
+}
+
 impl Run {
     fn measure(&mut self, climb: f64) {
         self.along.clear();
@@ -173,10 +187,12 @@ impl Run {
             if let Some(before) = way {
                 let turn = angle(&before, &after);
                 // The gentlest limit first: most turns are below it.
-                if turn > NEAR_SADDLE.eased
+                if turn > GENTLE
                     && let limits = how.limits(&start)
                     && turn > limits.eased
-                    && cutter.own_turn(&start, &before, &after) > limits.eased
+                    && (in_air(self.kinds[at])
+                        || in_air(self.kinds[k])
+                        || cutter.own_turn(&start, &before, &after) > limits.eased)
                 {
                     return Some(Corner {
                         point: at,
@@ -493,6 +509,9 @@ fn mend(proof: &mut Proof, run: &mut Run, c: &Corner) -> Option<usize> {
         }
         if let Some(bend) = proof.proven(a, b, beside(a, b, piece), most) {
             let kind = kind_of(run, a, b);
+            if std::env::var("MM_EASE").is_ok() {
+                eprintln!("beside at {:.3} {:.3} {:.3} from {:.3} {:.3} {:.3} to {:.3} {:.3} {:.3} cut {:.3} {:.3} kind {:?} pass {}", run.points[c.point].x, run.points[c.point].y, run.points[c.point].z, a.at.x,a.at.y,a.at.z,b.at.x,b.at.y,b.at.z, a.cut-run.cut[c.point], b.cut-run.cut[c.point], kind, how.pass);
+            }
             return Some(run.splice(a, b, &bend, kind, how.climb));
         }
     }
@@ -547,7 +566,14 @@ fn ease(cutter: &DropCutter, run: &mut Run, how: &EaseOptions) -> usize {
         && let Some(c) = run.corner(cutter, from, how)
     {
         most -= 1;
-        match mend(&mut proof, run, &c) {
+        let gentle = mend(&mut proof, run, &c);
+        // Rather less gentle than sharp.
+        let mended = gentle.or_else(|| {
+            let sharp = angle(&c.before, &c.after) > SHARP && c.limits.most < ANYWHERE.most;
+            let limits = ANYWHERE;
+            sharp.then(|| mend(&mut proof, run, &Corner { limits, ..c }))?
+        });
+        match mended {
             Some(on) => from = on,
             None => {
                 left += 1;
@@ -602,9 +628,19 @@ pub fn ease_path(cutter: &DropCutter, path: &mut Toolpath, how: &EaseOptions) {
         .par_iter()
         .map(|s| {
             let own = s.start - 1..s.end;
+            let mut kinds: Vec<MoveKind> = moves[own.clone()].iter().map(|m| m.kind).collect();
+            if let [.., a, b] = &moves[own.clone()]
+                && b.kind == MoveKind::Link
+                && (a.to.xy() - b.to.xy()).norm() < 1e-6
+                && moves.get(s.end).is_some_and(|m| m.kind == MoveKind::Retract)
+                && let Some(last) = kinds.last_mut()
+            {
+                // The way up and out at feed.
+                *last = MoveKind::Retract;
+            }
             let mut run = Run {
                 points: moves[own.clone()].iter().map(|m| m.to + up).collect(),
-                kinds: moves[own.clone()].iter().map(|m| m.kind).collect(),
+                kinds,
                 origin: own.collect(),
                 ..Run::default()
             };
@@ -619,7 +655,11 @@ pub fn ease_path(cutter: &DropCutter, path: &mut Toolpath, how: &EaseOptions) {
         out.extend(&moves[next..s.start]);
         origin.extend(next..s.start);
         for k in 1..run.points.len() {
-            out.push(Move::straight(run.kinds[k], run.points[k] - up));
+            let kind = match run.kinds[k] {
+                MoveKind::Retract => MoveKind::Link,
+                other => other,
+            };
+            out.push(Move::straight(kind, run.points[k] - up));
             origin.push(run.origin[k]);
         }
         next = s.end;

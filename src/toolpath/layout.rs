@@ -11,7 +11,7 @@ use super::errand::{ErrandOptions, errands};
 use super::even::{EvenOptions, correction};
 use super::fill::{FillOptions, FillReport, cusps_at_nodes, fill};
 use super::fit::FitOptions;
-use super::ease::{EaseOptions, OVER, ease_passes};
+use super::ease::{EaseOptions, GENTLE, OVER, SHARP, ease_passes};
 use super::link::{Air, LinkOptions, link};
 use super::order::order;
 use super::pass::{Fitted, Pass, PassKind, PassOptions, passes};
@@ -314,6 +314,7 @@ fn lay_at(
             pass: EASED * stepover,
             climb: 0.0,
             over: &[],
+            near_saddle: SHARP,
             ..to_ease
         },
     );
@@ -343,6 +344,7 @@ fn lay_at(
         &mut fills,
         &EaseOptions {
             over: &[],
+            near_saddle: SHARP,
             ..to_ease
         },
     );
@@ -453,6 +455,7 @@ fn easing<'a>(fitting: &FitOptions, stepover: f64, saddles: &'a [Point2]) -> Eas
         gouge: fitting.gouge,
         decimal: fitting.decimal,
         saddles,
+        near_saddle: GENTLE,
         stepover,
     }
 }
