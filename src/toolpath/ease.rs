@@ -12,8 +12,9 @@
 //! Crosses the border: runs of the ball's centre (work coordinates, mm) or moves of the tool tip in, the same out.
 
 use super::bridge::{End, bridge};
+use super::chain::Chain;
 use super::moves::{Move, MoveKind, Toolpath};
-use super::pass::Pass;
+use super::pass::{Pass, PassKind};
 use super::sharp::SHORTEST;
 use super::turn::{Pose, Slant, turn};
 use crate::geom::{Point, Point2, Vector};
@@ -25,6 +26,8 @@ use rayon::prelude::*;
 pub struct EaseOptions<'a> {
     /// The longest stretch of a pass that may be left out on either side of it, mm.
     pub pass: f64,
+    /// The same where the ball touches the part in more than one place, mm: short of a crease it leaves more.
+    pub crease: f64,
     /// How much of a climb up or down a wall counts as such a stretch: no cusp hangs on it, but its ends are at one.
     pub climb: f64,
     /// The same of a link, mm.
@@ -91,11 +94,13 @@ const NEAR: f64 = 3.0;
 const PIECE: f64 = 0.1;
 /// Chords are proven at places this far apart, mm.
 const PROBE: f64 = 0.025;
+/// What comes this near to the ball is touched, mm.
+const TOUCH: f64 = 0.006;
 /// How far a bend is pushed out of the part at most, mm.
 const PUSH: f64 = 0.25;
 /// How far from the corner a bend may begin and end, in stepovers.
-const OFFSETS: [f64; 13] = [
-    0.0, 0.07, 0.15, 0.22, 0.3, 0.45, 0.65, 1.0, 1.5, 2.2, 3.2, 4.6, 6.5,
+const OFFSETS: [f64; 14] = [
+    0.0, 0.04, 0.07, 0.15, 0.22, 0.3, 0.45, 0.65, 1.0, 1.5, 2.2, 3.2, 4.6, 6.5,
 ];
 /// The offset that is liked best on links, in stepovers.
 const LIKED: f64 = 0.45;
@@ -149,11 +154,6 @@ fn angle(a: &Vector, b: &Vector) -> f64 {
     a.cross(b).norm().atan2(a.dot(b))
 }
 
-/// Straight up or down between the surface and the air: there is no part to ask for a corner.
-fn in_air(kind: MoveKind) -> bool {
-    matches!(kind, MoveKind::Plunge | MoveKind::Retract)
-}
-
 impl Run {
     fn measure(&mut self, climb: f64) {
         self.along.clear();
@@ -190,9 +190,7 @@ impl Run {
                 if turn > GENTLE
                     && let limits = how.limits(&start)
                     && turn > limits.eased
-                    && (in_air(self.kinds[at])
-                        || in_air(self.kinds[k])
-                        || cutter.own_turn(&start, &before, &after) > limits.eased)
+                    && cutter.own_turn(&start, &before, &after) > limits.eased
                 {
                     return Some(Corner {
                         point: at,
@@ -437,7 +435,7 @@ fn spike(run: &Run, s: f64, stepover: f64) -> Option<(f64, f64)> {
 }
 
 /// Windows about a corner, the best liked first: two places with what is left out between them within what may be.
-fn windows(run: &Run, c: &Corner, how: &EaseOptions) -> Vec<(f64, Place, Place)> {
+fn windows(run: &Run, c: &Corner, most: f64, how: &EaseOptions) -> Vec<(f64, Place, Place)> {
     let (s, cut) = (run.along[c.point], run.cut[c.point]);
     let mut bases = vec![(0.0, 0.0)];
     bases.splice(0..0, spike(run, s, how.stepover));
@@ -461,7 +459,7 @@ fn windows(run: &Run, c: &Corner, how: &EaseOptions) -> Vec<(f64, Place, Place)>
                     run.place(if back { s - off } else { s + off })?
                 };
                 let cut = (place.cut - cut).abs();
-                if cut > how.pass || o - cut > how.link {
+                if cut > most || o - cut > how.link {
                     return None;
                 }
                 let cost = if cut > 0.5 * o {
@@ -493,10 +491,10 @@ fn windows(run: &Run, c: &Corner, how: &EaseOptions) -> Vec<(f64, Place, Place)>
 /// Most windows that are tried with each kind of way over.
 const TRIES: usize = 40;
 
-/// Goes round one corner; where to look on.
-fn mend(proof: &mut Proof, run: &mut Run, c: &Corner) -> Option<usize> {
+/// Goes round one corner, leaving out at most so much of a pass; where to look on.
+fn mend(proof: &mut Proof, run: &mut Run, c: &Corner, left_out: f64) -> Option<usize> {
     let how = proof.how;
-    let windows = windows(run, c, how);
+    let windows = windows(run, c, left_out, how);
     let Limits { most, piece, .. } = c.limits;
     let kind_of = |run: &Run, a: &Place, b: &Place| match run.kinds_between(a, b) {
         (MoveKind::Cut, MoveKind::Cut) => MoveKind::Cut,
@@ -551,14 +549,21 @@ fn round(cutter: &DropCutter, a: &Place, b: &Place, radius: f64) -> Option<Vec<P
     bridge(cutter, &way.points(0.1), &end(a), &end(b))
 }
 
-/// Eases a run; how many corners are left.
-fn ease(cutter: &DropCutter, run: &mut Run, how: &EaseOptions) -> usize {
+/// What came of the corners of a run.
+#[derive(Clone, Copy, Debug, Default)]
+struct Eased {
+    mended: usize,
+    left: usize,
+}
+
+/// Eases a run.
+fn ease(cutter: &DropCutter, run: &mut Run, how: &EaseOptions) -> Eased {
     let mut proof = Proof {
         cutter,
         how,
         hint: Hint::default(),
     };
-    let (mut from, mut left) = (0, 0);
+    let (mut from, mut out) = (0, Eased::default());
     run.measure(how.climb);
     // Every corner is looked at a few times at most, as its neighbours are mended.
     let mut most = 4 * run.points.len();
@@ -566,22 +571,29 @@ fn ease(cutter: &DropCutter, run: &mut Run, how: &EaseOptions) -> usize {
         && let Some(c) = run.corner(cutter, from, how)
     {
         most -= 1;
-        let gentle = mend(&mut proof, run, &c);
+        let mut ways = vec![(c.limits, how.pass)];
+        if how.crease < how.pass && cutter.touched(&run.points[c.point], TOUCH).len() > 1 {
+            ways.insert(0, (c.limits, how.crease));
+        }
         // Rather less gentle than sharp.
-        let mended = gentle.or_else(|| {
-            let sharp = angle(&c.before, &c.after) > SHARP && c.limits.most < ANYWHERE.most;
-            let limits = ANYWHERE;
-            sharp.then(|| mend(&mut proof, run, &Corner { limits, ..c }))?
+        if angle(&c.before, &c.after) > SHARP && c.limits.most < ANYWHERE.most {
+            ways.push((ANYWHERE, how.pass));
+        }
+        let mended = ways.into_iter().find_map(|(limits, left_out)| {
+            mend(&mut proof, run, &Corner { limits, ..c }, left_out)
         });
         match mended {
-            Some(on) => from = on,
+            Some(on) => {
+                out.mended += 1;
+                from = on;
+            }
             None => {
-                left += 1;
+                out.left += 1;
                 from = c.point;
             }
         }
     }
-    left
+    out
 }
 
 /// Eases the corners of passes before they are joined: what is left out of them is found by the fill.
@@ -600,6 +612,53 @@ pub fn ease_passes(cutter: &DropCutter, passes: &mut [Pass], how: &EaseOptions) 
             run.points.pop();
         }
         p.points = run.points;
+    });
+}
+
+/// Eases the corners of chains, those of their links among them.
+pub fn ease_chains(cutter: &DropCutter, chains: &mut [Chain], how: &EaseOptions) {
+    chains.par_iter_mut().for_each(|chain| {
+        if chain.iter().any(|p| p.closed || p.points.len() < 2) {
+            return;
+        }
+        let mut run = Run::default();
+        for (k, p) in chain.iter().enumerate() {
+            let kind = match p.kind {
+                PassKind::Turn => MoveKind::Link,
+                _ => MoveKind::Cut,
+            };
+            // A pass begins where the one before it ends.
+            let points = &p.points[usize::from(k > 0)..];
+            run.points.extend(points);
+            run.kinds.extend(points.iter().map(|_| kind));
+            run.origin.extend(points.iter().map(|_| k));
+        }
+        let before = run.points.len();
+        if ease(cutter, &mut run, how).mended == 0 || before < 2 {
+            return;
+        }
+        let mut out: Chain = Vec::new();
+        for (k, w) in run.points.windows(2).enumerate() {
+            let from = &chain[run.origin[k + 1].min(chain.len() - 1)];
+            let kind = match run.kinds[k + 1] {
+                MoveKind::Link => PassKind::Turn,
+                // A bend of a pass, or what a link was to a pass behind it.
+                _ if from.kind == PassKind::Turn => PassKind::Level,
+                _ => from.kind,
+            };
+            match out.last_mut() {
+                Some(last) if last.kind == kind && last.feature == from.feature => {
+                    last.points.push(w[1]);
+                }
+                _ => out.push(Pass {
+                    kind,
+                    feature: from.feature,
+                    points: w.to_vec(),
+                    closed: false,
+                }),
+            }
+        }
+        *chain = out;
     });
 }
 
@@ -628,19 +687,9 @@ pub fn ease_path(cutter: &DropCutter, path: &mut Toolpath, how: &EaseOptions) {
         .par_iter()
         .map(|s| {
             let own = s.start - 1..s.end;
-            let mut kinds: Vec<MoveKind> = moves[own.clone()].iter().map(|m| m.kind).collect();
-            if let [.., a, b] = &moves[own.clone()]
-                && b.kind == MoveKind::Link
-                && (a.to.xy() - b.to.xy()).norm() < 1e-6
-                && moves.get(s.end).is_some_and(|m| m.kind == MoveKind::Retract)
-                && let Some(last) = kinds.last_mut()
-            {
-                // The way up and out at feed.
-                *last = MoveKind::Retract;
-            }
             let mut run = Run {
                 points: moves[own.clone()].iter().map(|m| m.to + up).collect(),
-                kinds,
+                kinds: moves[own.clone()].iter().map(|m| m.kind).collect(),
                 origin: own.collect(),
                 ..Run::default()
             };
@@ -655,11 +704,7 @@ pub fn ease_path(cutter: &DropCutter, path: &mut Toolpath, how: &EaseOptions) {
         out.extend(&moves[next..s.start]);
         origin.extend(next..s.start);
         for k in 1..run.points.len() {
-            let kind = match run.kinds[k] {
-                MoveKind::Retract => MoveKind::Link,
-                other => other,
-            };
-            out.push(Move::straight(kind, run.points[k] - up));
+            out.push(Move::straight(run.kinds[k], run.points[k] - up));
             origin.push(run.origin[k]);
         }
         next = s.end;

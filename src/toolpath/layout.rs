@@ -11,7 +11,7 @@ use super::errand::{ErrandOptions, errands};
 use super::even::{EvenOptions, correction};
 use super::fill::{FillOptions, FillReport, cusps_at_nodes, fill};
 use super::fit::FitOptions;
-use super::ease::{EaseOptions, GENTLE, OVER, SHARP, ease_passes};
+use super::ease::{EaseOptions, GENTLE, OVER, SHARP, ease_chains, ease_passes};
 use super::link::{Air, LinkOptions, link};
 use super::order::order;
 use super::pass::{Fitted, Pass, PassKind, PassOptions, passes};
@@ -231,6 +231,8 @@ pub(super) fn lay(
 const EASED: f64 = 0.45;
 /// And by this share where no fill comes behind: a cusp grows by less than a tenth from it.
 const SHORT: f64 = 0.15;
+/// In a crease, in the same measure.
+const HARDLY: f64 = 0.04;
 
 fn lay_at(
     bench: &Bench,
@@ -312,6 +314,7 @@ fn lay_at(
         &mut laid,
         &EaseOptions {
             pass: EASED * stepover,
+            crease: EASED * stepover,
             climb: 0.0,
             over: &[],
             near_saddle: SHARP,
@@ -323,6 +326,15 @@ fn lay_at(
         reach: REACH,
     };
     let mut joined = chains(cutter, laid, &how, links, &fitting);
+    ease_chains(
+        cutter,
+        &mut joined,
+        &EaseOptions {
+            crease: to_ease.pass,
+            climb: 0.0,
+            ..to_ease
+        },
+    );
     stage(Stage::Fill);
     let mut all: Vec<Pass> = joined.iter().flatten().cloned().collect();
     let before = all.len();
@@ -449,6 +461,7 @@ pub(super) fn rasters(
 fn easing<'a>(fitting: &FitOptions, stepover: f64, saddles: &'a [Point2]) -> EaseOptions<'a> {
     EaseOptions {
         pass: SHORT * stepover,
+        crease: HARDLY * stepover,
         climb: 0.5,
         link: 7.0 * stepover,
         over: OVER,
