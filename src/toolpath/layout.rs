@@ -314,7 +314,7 @@ fn lay_at(
         &mut laid,
         &EaseOptions {
             pass: EASED * stepover,
-            crease: EASED * stepover,
+            crease: SHORT * stepover,
             climb: 0.0,
             over: &[],
             near_saddle: SHARP,
@@ -330,7 +330,6 @@ fn lay_at(
         cutter,
         &mut joined,
         &EaseOptions {
-            crease: to_ease.pass,
             climb: 0.0,
             ..to_ease
         },
