@@ -130,6 +130,7 @@ fn angle(a: &Vector, b: &Vector) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used)]
     use super::*;
     use crate::part::Mesh;
 
@@ -161,5 +162,23 @@ mod tests {
                 .touched(&Point::new(25.0, 0.0, 14.0), 1e-3)
                 .is_empty()
         );
+    }
+
+    #[test]
+    fn a_ball_in_a_floor_is_pushed_up_out_of_it() {
+        let p = |x: f64, y: f64| Point::new(x, y, 1.0);
+        let triangles = vec![
+            [p(-9.0, -9.0), p(9.0, -9.0), p(9.0, 9.0)],
+            [p(-9.0, -9.0), p(9.0, 9.0), p(-9.0, 9.0)],
+        ];
+        let cutter = DropCutter::new(&Mesh { triangles }, 3.0);
+        let low = Point::new(0.5, 0.2, 3.9);
+        assert!((cutter.depth(&low) - 0.1).abs() < 1e-12);
+        let out = cutter.pushed_out(&low, 0.2).unwrap();
+        assert!((4.0..4.001).contains(&out.z) && (out.xy() - low.xy()).norm() < 1e-9);
+        assert_eq!(cutter.pushed_out(&low, 0.05), None);
+        let clear = Point::new(0.0, 0.0, 5.0);
+        assert!(cutter.depth(&clear) < 0.0);
+        assert_eq!(cutter.pushed_out(&clear, 0.1), Some(clear));
     }
 }

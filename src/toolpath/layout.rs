@@ -7,11 +7,11 @@
 use super::chain::{Chain, ChainOptions, chains};
 use super::choose::{Chosen, apply};
 use super::detail::Detail;
+use super::ease::{EaseOptions, GENTLE, OVER, SHARP, ease_chains, ease_passes};
 use super::errand::{ErrandOptions, errands};
 use super::even::{EvenOptions, correction};
 use super::fill::{FillOptions, FillReport, cusps_at_nodes, fill};
 use super::fit::FitOptions;
-use super::ease::{EaseOptions, GENTLE, OVER, SHARP, ease_chains, ease_passes};
 use super::link::{Air, LinkOptions, link};
 use super::order::order;
 use super::pass::{Fitted, Pass, PassKind, PassOptions, passes};

@@ -110,7 +110,6 @@ pub fn link(
     let mut last: Option<&Pass> = None;
     let mut section_features: Vec<Option<usize>> = Vec::new();
     let mut hint = Hint::default();
-    let mut labels: Vec<&'static str> = Vec::new();
     let go = |moves: &mut Vec<Move>, kind: MoveKind, c: Point| {
         moves.push(Move::straight(kind, c + down))
     };
@@ -142,7 +141,6 @@ pub fn link(
                 .into_iter()
                 .for_each(|(kind, p)| go(&mut path.moves, kind, p)),
         }
-        labels.resize(path.moves.len(), "link");
         for pass in chain {
             let kind = if pass.kind == PassKind::Turn {
                 MoveKind::Link
@@ -152,7 +150,6 @@ pub fn link(
             pass.run()[1..]
                 .iter()
                 .for_each(|p| go(&mut path.moves, kind, *p));
-            labels.resize(path.moves.len(), match pass.kind { PassKind::Turn => "turn", PassKind::Level => "level", PassKind::Wall => "wall", PassKind::Pencil => "pencil", PassKind::Fill => "fill", PassKind::Border => "border" });
             last = Some(pass);
         }
     }
@@ -174,26 +171,7 @@ pub fn link(
             ),
         );
     }
-    if std::env::var("MM_NOEASE").is_err() {
     ease_path(cutter, &mut path, easing);
-    labels = path.moves.iter().map(|m| if m.kind == MoveKind::Cut {"cut"} else {"link"}).collect();
-    }
-    if std::env::var("MM_TURNS").is_ok() {
-        // DEBUG
-        let up = Vector::new(0.0, 0.0, cutter.radius());
-        let mut text = format!("== {} moves {} chains\n", path.moves.len(), ordered.len());
-        super::sharp::each_turn(&path, |t| {
-            if t.degrees() > super::sharp::SHARP {
-                let own = cutter.own_turn(&(t.at + up), &t.before, &t.after).to_degrees();
-                let n = cutter.touched(&(t.at + up), 0.006).len();
-                text += &format!("{:.0} own {:.0} {:?} > {:?} touched {} at {:.3} {:.3} {:.3} u {:.2} {:.2} {:.2} v {:.2} {:.2} {:.2} {}\n",
-                    t.degrees(), own, labels.get(t.index - 1).copied().unwrap_or("?"), labels.get(t.index).copied().unwrap_or("?"), n,
-                    t.at.x, t.at.y, t.at.z, t.before.x, t.before.y, t.before.z, t.after.x, t.after.y, t.after.z,
-                    if own <= super::sharp::SHARP {"corner"} else {"OWN"});
-            }
-        });
-        eprint!("{text}");
-    }
     calm(&mut path.moves, options);
     (path, section_features)
 }
