@@ -47,6 +47,49 @@ impl DropCutter {
         out
     }
 
+    /// How deep the ball is in the part, mm: by how much the nearest triangle is nearer than its radius; below zero it is clear. It does
+    /// not tell a ball above the part from one deeper inside than it is thick. One look at every triangle below the ball.
+    pub fn depth(&self, center: &Point) -> f64 {
+        self.nearest(center)
+            .map_or(f64::NEG_INFINITY, |away| self.radius() - away.norm())
+    }
+
+    /// From the nearest place of the part within the ball's radius to the ball's centre.
+    fn nearest(&self, center: &Point) -> Option<Vector> {
+        let r = self.radius();
+        let triangles = self.within([center.x - r, center.y - r], [center.x + r, center.y + r]);
+        let clear = |t: &[Point; 3]| {
+            t.iter().all(|p| p.z < center.z - r) || t.iter().all(|p| p.z > center.z + r)
+        };
+        triangles
+            .iter()
+            .filter(|t| !clear(t))
+            .map(|t| center - closest(t, center))
+            .min_by(|a, b| a.norm_squared().total_cmp(&b.norm_squared()))
+            .filter(|away| away.norm() < r)
+    }
+
+    /// The ball moved out of what it is a little in, a hair further than it must; `None` where that takes more than `most` mm.
+    pub fn pushed_out(&self, center: &Point, most: f64) -> Option<Point> {
+        const HAIR: f64 = 3e-4;
+        let mut at = *center;
+        for _ in 0..12 {
+            let Some(away) = self.nearest(&at) else {
+                return Some(at);
+            };
+            let d = away.norm();
+            let deep = self.radius() - d;
+            if deep < HAIR {
+                return Some(at);
+            }
+            at += away.try_normalize(1e-6)? * (deep + HAIR);
+            if (at - center).norm() > most {
+                return None;
+            }
+        }
+        None
+    }
+
     /// The turn from one way of the ball to the next (unit vectors) that is left when the part's crease at this place of its centre
     /// is taken out: never more than the turn itself. rad.
     pub fn own_turn(&self, center: &Point, before: &Vector, after: &Vector) -> f64 {
@@ -86,6 +129,7 @@ fn angle(a: &Vector, b: &Vector) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used)]
     use super::*;
     use crate::part::Mesh;
 
@@ -117,5 +161,23 @@ mod tests {
                 .touched(&Point::new(25.0, 0.0, 14.0), 1e-3)
                 .is_empty()
         );
+    }
+
+    #[test]
+    fn a_ball_in_a_floor_is_pushed_up_out_of_it() {
+        let p = |x: f64, y: f64| Point::new(x, y, 1.0);
+        let triangles = vec![
+            [p(-9.0, -9.0), p(9.0, -9.0), p(9.0, 9.0)],
+            [p(-9.0, -9.0), p(9.0, 9.0), p(-9.0, 9.0)],
+        ];
+        let cutter = DropCutter::new(&Mesh { triangles }, 3.0);
+        let low = Point::new(0.5, 0.2, 3.9);
+        assert!((cutter.depth(&low) - 0.1).abs() < 1e-12);
+        let out = cutter.pushed_out(&low, 0.2).unwrap();
+        assert!((4.0..4.001).contains(&out.z) && (out.xy() - low.xy()).norm() < 1e-9);
+        assert_eq!(cutter.pushed_out(&low, 0.05), None);
+        let clear = Point::new(0.0, 0.0, 5.0);
+        assert!(cutter.depth(&clear) < 0.0);
+        assert_eq!(cutter.pushed_out(&clear, 0.1), Some(clear));
     }
 }

@@ -7,6 +7,7 @@
 use super::chain::{Chain, ChainOptions, chains};
 use super::choose::{Chosen, apply};
 use super::detail::Detail;
+use super::ease::{EaseOptions, GENTLE, OVER, SHARP, ease_chains, ease_passes};
 use super::errand::{ErrandOptions, errands};
 use super::even::{EvenOptions, correction};
 use super::fill::{FillOptions, FillReport, cusps_at_nodes, fill, segments};
@@ -20,7 +21,8 @@ use super::ridge::ridges;
 use super::sharp::sharp_turns;
 use crate::feature::{GrowOptions, Regions, Source, farthest, grow, whole};
 use crate::field::{Front, Metric, Ruler};
-use crate::geom::Point;
+use crate::geom::{Point, Point2};
+use crate::morse::CriticalKind;
 use crate::part::Mesh;
 use crate::reach::{DropCutter, NodeKind, ToolCentreGrid};
 use crate::sweep::ReachTiles;
@@ -252,6 +254,13 @@ pub(super) fn lay(
     best
 }
 
+/// Corners of passes are cut short by at most this share of a stepover on either side.
+const EASED: f64 = 0.45;
+/// And by this share where no fill comes behind: a cusp grows by less than a tenth from it.
+const SHORT: f64 = 0.15;
+/// In a crease, in the same measure.
+const HARDLY: f64 = 0.04;
+
 fn lay_at(
     bench: &Bench,
     layout: &Layout,
@@ -330,11 +339,33 @@ fn lay_at(
     let pencils = detail.pencils(ground, &regions, &laid, options.scallop);
     laid.extend(pencils);
     drop(metric);
+    let saddles = saddles(ground);
+    let to_ease = easing(&fitting, stepover, &saddles);
+    ease_passes(
+        cutter,
+        &mut laid,
+        &EaseOptions {
+            pass: EASED * stepover,
+            crease: SHORT * stepover,
+            climb: 0.0,
+            over: &[],
+            near_saddle: SHARP,
+            ..to_ease
+        },
+    );
     let how = ChainOptions {
         stepover,
         reach: REACH,
     };
     let mut joined = chains(cutter, laid, &how, links, &fitting);
+    ease_chains(
+        cutter,
+        &mut joined,
+        &EaseOptions {
+            climb: 0.0,
+            ..to_ease
+        },
+    );
     stage(Stage::Fill);
     let mut all: Vec<Pass> = joined.iter().flatten().cloned().collect();
     let before = all.len();
@@ -350,15 +381,32 @@ fn lay_at(
         FillReport::default()
     };
     stage(Stage::Link);
-    joined.extend(chains(cutter, all.split_off(before), &how, links, &fitting));
+    let mut fills = all.split_off(before);
+    ease_passes(
+        cutter,
+        &mut fills,
+        &EaseOptions {
+            over: &[],
+            near_saddle: SHARP,
+            ..to_ease
+        },
+    );
+    joined.extend(chains(cutter, fills, &how, links, &fitting));
     let how = ErrandOptions {
         longest: ERRAND * stepover,
         reach: AWAY * stepover,
     };
     let joined = errands(cutter, joined, &how, links, &fitting);
     let ordered = order(joined, home(cutter));
-    let (toolpath, section_features) =
-        link(cutter, bench.air(), &ordered, &regions, links, &fitting);
+    let (toolpath, section_features) = link(
+        cutter,
+        bench.air(),
+        &ordered,
+        &regions,
+        links,
+        &fitting,
+        &to_ease,
+    );
     let passes: Vec<Pass> = ordered.into_iter().flatten().collect();
     let figures = weigh(&toolpath).with_turns(&sharp_turns(cutter, &toolpath));
     let cutting = passes.iter().filter(|p| p.kind != PassKind::Turn).count();
@@ -428,11 +476,42 @@ pub(super) fn rasters(
         &raster.regions,
         &links,
         &raster.fitting,
+        &easing(
+            &raster.fitting,
+            flat_stepover(bench.options.scallop, cutter.radius()),
+            &saddles(bench.ground),
+        ),
     );
     let figures = (bench.weigh)(&path).with_turns(&sharp_turns(cutter, &path));
     let name = format!("{} retracting", raster.layout.name());
     out.push(Candidate::of(name, &path, count, figures));
     out
+}
+
+/// How corners of a finished path are eased: there is no fill behind it any more, so passes are hardly cut short.
+fn easing<'a>(fitting: &FitOptions, stepover: f64, saddles: &'a [Point2]) -> EaseOptions<'a> {
+    EaseOptions {
+        pass: SHORT * stepover,
+        crease: HARDLY * stepover,
+        climb: 0.5,
+        link: 7.0 * stepover,
+        over: OVER,
+        gouge: fitting.gouge,
+        decimal: fitting.decimal,
+        saddles,
+        near_saddle: GENTLE,
+        stepover,
+    }
+}
+
+/// The saddles of a surveyed part in plan.
+fn saddles(ground: &Ground) -> Vec<Point2> {
+    ground
+        .critical
+        .iter()
+        .filter(|c| c.kind == CriticalKind::Saddle)
+        .map(|c| c.center.xy())
+        .collect()
 }
 
 /// Where the tool comes from: the corner of the part nearest the operator's zero, lowest x and y, from above.

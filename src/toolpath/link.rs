@@ -4,6 +4,7 @@
 use super::bridge::surface_or_bridge;
 use super::calm::calm;
 use super::chain::{Chain, Ends, exit, quickest_turn, smooth_link, start};
+use super::ease::{EaseOptions, ease_path};
 use super::fit::FitOptions;
 use super::lead::{self, Lead};
 use super::moves::{Move, MoveKind, Section, Toolpath};
@@ -100,6 +101,7 @@ pub fn link(
     regions: &Regions,
     options: &LinkOptions,
     fitting: &FitOptions,
+    easing: &EaseOptions,
 ) -> (Toolpath, Vec<Option<usize>>) {
     let down = Vector::new(0.0, 0.0, -cutter.radius());
     let mut path = Toolpath {
@@ -170,6 +172,7 @@ pub fn link(
             ),
         );
     }
+    ease_path(cutter, &mut path, easing);
     calm(&mut path.moves, options);
     (path, section_features)
 }

@@ -23,6 +23,7 @@ mod corner;
 mod crests;
 pub mod curve;
 mod detail;
+pub mod ease;
 mod errand;
 mod estimate;
 mod even;

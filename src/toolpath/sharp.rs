@@ -57,8 +57,12 @@ pub fn each_turn(path: &Toolpath, mut f: impl FnMut(&TurnAt)) {
     for (index, m) in path.moves.iter().enumerate() {
         let surface = match (m.kind, from) {
             (MoveKind::Cut, Some(_)) => true,
-            // Straight up off the surface at feed, not along it.
-            (MoveKind::Link, Some(at)) => (m.to.xy() - at.xy()).norm() >= 1e-6,
+            // Straight up off the surface at feed and on through the air, not along it.
+            (MoveKind::Link, Some(at)) => {
+                let next = path.moves.get(index + 1);
+                next.is_none_or(|n| n.kind != MoveKind::Retract)
+                    || (m.to.xy() - at.xy()).norm() >= 1e-6
+            }
             _ => false,
         };
         let Some(at) = from.filter(|_| surface) else {

@@ -136,3 +136,71 @@ fn across_a_groove_the_part_turns_the_way() {
     let f = &plan.figures;
     assert!((f.largest_part_corner_deg - 80.0).abs() < 3.0, "{f:?}");
 }
+
+/// An upright boss of this outline on a plate, mm.
+fn boss(outline: &[[f64; 2]], plate: [f64; 2], high: f64) -> Mesh {
+    let mut triangles: Vec<[Point; 3]> = Vec::new();
+    let n = outline.len();
+    let middle = outline.iter().fold([0.0, 0.0], |m, p| {
+        [m[0] + p[0] / n as f64, m[1] + p[1] / n as f64]
+    });
+    let at = |p: [f64; 2], z: f64| Point::new(p[0], p[1], z);
+    // The plate runs on under the boss.
+    let corners = [[0.0, 0.0], [plate[0], 0.0], plate, [0.0, plate[1]]];
+    triangles.push([
+        at(corners[0], 0.0),
+        at(corners[1], 0.0),
+        at(corners[2], 0.0),
+    ]);
+    triangles.push([
+        at(corners[0], 0.0),
+        at(corners[2], 0.0),
+        at(corners[3], 0.0),
+    ]);
+    for k in 0..n {
+        let (a, b) = (outline[k], outline[(k + 1) % n]);
+        triangles.push([at(a, 0.0), at(b, 0.0), at(b, high)]);
+        triangles.push([at(a, 0.0), at(b, high), at(a, high)]);
+        triangles.push([at(a, high), at(b, high), at(middle, high)]);
+    }
+    Mesh { triangles }
+}
+
+/// An upright boss with six corners on a plate, turned by an odd angle: walls, a crease around their foot, edges on top.
+#[test]
+fn walled_parts_are_cut_without_a_corner_of_the_paths_own() {
+    let outline: Vec<[f64; 2]> = (0..6)
+        .map(|k| {
+            let (s, c) = (f64::from(k) * std::f64::consts::FRAC_PI_3 + 0.3).sin_cos();
+            [12.0 + 4.0 * c, 10.0 + 4.0 * s]
+        })
+        .collect();
+    let mesh = boss(&outline, [24.0, 20.0], 4.0);
+    for strategy in [Strategy::IsoScallop, Strategy::Whole] {
+        let (_, plan) = laid(&mesh, 0.04, strategy);
+        let f = &plan.figures;
+        assert_eq!(f.sharp_turns, 0, "{strategy:?}: {f:?}");
+        assert!(f.largest_turn_deg <= 30.0, "{strategy:?}: {f:?}");
+    }
+}
+
+/// Waves with 5 um of noise on them, as a scan has.
+#[test]
+fn noisy_parts_are_cut_without_a_corner_of_the_paths_own() {
+    let noise = |x: f64, y: f64| {
+        let bits = (x * 1e4).round() as i64 * 7_919 + (y * 1e4).round() as i64 * 104_729;
+        let mixed = (bits as u64)
+            .wrapping_mul(0x9E37_79B9_7F4A_7C15)
+            .rotate_left(29)
+            .wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        (mixed >> 40) as f64 / (1u64 << 24) as f64 - 0.5
+    };
+    let wave = |x: f64, y: f64| 3.0 * (0.3 * x).sin() * (0.25 * y).cos() + 0.01 * noise(x, y);
+    let mesh = sheet([0.0, 0.0], [20.0, 16.0], [80, 64], wave);
+    for strategy in [Strategy::IsoScallop, Strategy::Whole] {
+        let (_, plan) = laid(&mesh, 0.04, strategy);
+        let f = &plan.figures;
+        assert_eq!(f.sharp_turns, 0, "{strategy:?}: {f:?}");
+        assert!(f.largest_turn_deg <= 30.0, "{strategy:?}: {f:?}");
+    }
+}
