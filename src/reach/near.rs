@@ -64,7 +64,7 @@ impl DropCutter {
         triangles
             .iter()
             .filter(|t| !clear(t))
-            .map(|t| center - closest(t, center))
+            .map(|t| center - nearest_on_triangle(t, center))
             .min_by(|a, b| a.norm_squared().total_cmp(&b.norm_squared()))
             .filter(|away| away.norm() < r)
     }
