@@ -8,7 +8,7 @@ use super::chain::{Chain, ChainOptions, chains};
 use super::choose::{Chosen, apply};
 use super::detail::Detail;
 use super::errand::{ErrandOptions, errands};
-use super::even::{EvenOptions, correction};
+use super::even::{Above, EvenOptions, correction};
 use super::fill::{FillOptions, FillReport, cusps_at_nodes, fill};
 use super::fit::FitOptions;
 use super::link::{Air, LinkOptions, link};
@@ -62,14 +62,18 @@ pub(super) struct Bench<'a> {
     pub closed_loop: bool,
 }
 
-/// Cusps are planned at one of these shares of what is wanted; the rest is for what the field, the fit and the rounding take, and for
-/// facets and noise: ground that is rough by a few micrometres leaves higher cusps than its metric says. Where filling costs more than
-/// closer passes would, the next share is tried (with 5 um of noise, 0.7 h is a fifth shorter than 0.92 h and its 2,000 fills).
-pub const PLAN_SHARES: [f64; 5] = [0.96, 0.92, 0.86, 0.78, 0.70];
-/// The share for a part that is too large to be laid more than once.
-const ONE_SHARE: f64 = 0.92;
+/// Cusps are planned at one of these shares of what is wanted; the rest is for what the field, the fit and the rounding take. Rough
+/// ground gets closer passes by itself ([`super::even`]); where filling still costs more than closer passes everywhere would, the next
+/// share is tried.
+pub const PLAN_SHARES: [f64; 6] = [0.97, 0.935, 0.90, 0.84, 0.77, 0.70];
+/// The first share leaves so much of the height that chords may leave standing.
+const CHORDS: f64 = 0.6;
 /// Grids with more nodes than this are laid once: what to lay is decided from estimates, and nothing is laid only to compare with.
 const LAID_TWICE: usize = 3_000_000;
+/// Passes are spaced for so many standard deviations of the cusps over their mean ...
+const DEVIATIONS: f32 = 2.5;
+/// ... told within so many stepovers: roughness is much the same so far, curvature still is.
+const ROUGHNESS: f64 = 2.5;
 /// Fills no longer than this share of the passes are not worth a second plan.
 const FILL_SHARE: f64 = 0.005;
 /// Fill where a cusp is higher than this share of what is wanted. All of it: fill measures as exactly as the dry run does, and a little more
@@ -108,6 +112,16 @@ impl Bench<'_> {
     fn air(&self) -> &Air {
         self.air
             .get_or_init(|| Air::new(self.part, &self.ground.cutter, self.links))
+    }
+
+    /// Index of the widest share of the cusp that chords leave room for.
+    fn first_share(&self) -> usize {
+        let fitting = FitOptions::for_scallop(self.options.scallop, self.ground.cutter.radius());
+        let most = 1.0 - CHORDS * fitting.stock / self.options.scallop;
+        PLAN_SHARES
+            .iter()
+            .position(|s| *s <= most)
+            .unwrap_or(PLAN_SHARES.len() - 1)
     }
 
     /// Whether the part is small enough to be laid several times over.
@@ -172,6 +186,8 @@ fn raster_source(grid: &ToolCentreGrid, ruler: Ruler) -> Source {
 pub(super) struct Known {
     /// Index into [`PLAN_SHARES`] of the share to begin with.
     pub share: usize,
+    /// Its like has been laid with other shares already: this one is the best.
+    pub settled: bool,
     /// What is slower than this by more than [`HOPELESS`] is not tried again with other shares, s.
     pub to_beat: Option<f64>,
 }
@@ -188,27 +204,17 @@ pub(super) fn lay(
     known: &Known,
     stage: &mut dyn FnMut(Stage),
 ) -> Plan {
+    let least = bench.first_share();
     if !bench.small() {
-        return lay_at(bench, layout, fields, ONE_SHARE, stage);
+        return lay_at(bench, layout, fields, PLAN_SHARES[least], stage);
     }
-    let first = known.share.min(PLAN_SHARES.len() - 1);
+    let first = known.share.clamp(least, PLAN_SHARES.len() - 1);
     let mut best = lay_at(bench, layout, fields, PLAN_SHARES[first], stage);
-    if matches!(layout, Layout::Raster(_)) {
+    if matches!(layout, Layout::Raster(_)) || known.settled {
         return best;
     }
     let clean =
         |p: &Plan| p.fill.length_mm <= FILL_SHARE * p.passes.iter().map(Pass::length).sum::<f64>();
-    if clean(&best) {
-        // Passes further apart may do as well.
-        for &share in PLAN_SHARES[..first].iter().rev() {
-            let next = lay_at(bench, layout, fields, share, stage);
-            if next.figures.time_s >= best.figures.time_s {
-                break;
-            }
-            best = next;
-        }
-        return best;
-    }
     for &share in &PLAN_SHARES[first + 1..] {
         let hopeless = known
             .to_beat
@@ -217,7 +223,7 @@ pub(super) fn lay(
             break;
         }
         let next = lay_at(bench, layout, fields, share, stage);
-        if next.figures.time_s >= best.figures.time_s {
+        if next.cost() >= best.cost() {
             break;
         }
         best = next;
@@ -275,20 +281,28 @@ fn lay_at(
             (options.scallop / worst).sqrt().clamp(0.5, 2.0),
         );
     } else if layout_ruler(layout) == Ruler::IsoScallop {
-        let cusps = cusps_at_nodes(grid, reach, &first(&regions));
-        let how = EvenOptions {
-            spaced_for,
-            reach: (0.55 * stepover / grid.step).ceil() as usize,
-            bounds: [0.9, 1.25],
+        let nodes = |stepovers: f64| (stepovers * stepover / grid.step).ceil() as usize;
+        let above = Above {
+            deviations: DEVIATIONS,
+            within: nodes(ROUGHNESS),
         };
-        let factor = correction(grid, &metric, &regions, cusps, &how);
-        // On a large part two sets of fields are more than there is room for.
-        drop(std::mem::take(&mut regions));
-        for (t, f) in metric.tensor.iter_mut().zip(&factor) {
-            t.iter_mut().for_each(|v| *v *= f64::from(*f));
+        for round in [None, Some(above)] {
+            let cusps = cusps_at_nodes(grid, reach, &first(&regions));
+            let how = EvenOptions {
+                spaced_for,
+                reach: nodes(0.55),
+                bounds: [0.9, 1.25],
+                above: round,
+            };
+            let factor = correction(grid, &metric, &regions, cusps, &how);
+            // On a large part two sets of fields are more than there is room for.
+            drop(std::mem::take(&mut regions));
+            for (t, f) in metric.tensor.iter_mut().zip(&factor) {
+                t.iter_mut().for_each(|v| *v *= f64::from(*f));
+            }
+            regions = regions_of(ground, layout, spaced_for, &metric);
+            apply(grid, &metric, spaced_for, fields, &mut regions);
         }
-        regions = regions_of(ground, layout, spaced_for, &metric);
-        apply(grid, &metric, spaced_for, fields, &mut regions);
     }
     let mut laid = passes(grid, cutter, &regions, &shape, &detail.steep, &fitting);
     // What is shorter than its distance to the next is no pass: the fill finds what it would be missed for.

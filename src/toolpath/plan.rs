@@ -2,7 +2,7 @@
 
 use super::choose::choose;
 use super::detail::Detail;
-use super::estimate::{best_raster_angle, best_source};
+use super::estimate::{best_raster_angle, best_sources};
 use super::fill::{FillReport, far};
 use super::fit::FitOptions;
 use super::layout::{
@@ -161,6 +161,18 @@ pub struct Plan {
     pub figures: Figures,
     /// Everything that was laid and weighed, this plan among them, with the two rasters to compare with.
     pub candidates: Vec<Candidate>,
+}
+
+/// A job should spend no more than this share of its time not cutting.
+const NOT_CUTTING: f64 = 0.05;
+
+impl Plan {
+    /// What plans are compared by, s: the time, and once more what of it goes into links and air beyond a twentieth of it. Each link is a
+    /// place where the finish may show it.
+    pub fn cost(&self) -> f64 {
+        let f = &self.figures;
+        f.time_s + (f.link_s + f.air_s - NOT_CUTTING * f.time_s).max(0.0)
+    }
 }
 
 /// What a toolpath takes on the machine.
@@ -341,8 +353,20 @@ const NEAR_SADDLE: f64 = 3.0;
 
 /// What the estimate says takes this much longer than the whole part as one feature is not laid.
 const NOT_LAID: f64 = 1.15;
-/// Features have corners that the whole part has not, so they begin with the second of the shares.
-const FEATURES_FROM: usize = 1;
+
+/// Sources of the whole part that are laid ...
+const SOURCES: usize = 3;
+/// ... where the estimate says that they take no more than this share longer than the best.
+const ALIKE: f64 = 0.02;
+
+/// What plans laid so far tell of the next.
+fn known(plans: &[Plan], scallop: f64) -> Known {
+    Known {
+        share: plans.first().map_or(0, |p| share_of(p, scallop)),
+        settled: false,
+        to_beat: plans.iter().map(|p| p.figures.time_s).reduce(f64::min),
+    }
+}
 
 /// The share of the cusp that a plan was laid for, as an index into [`PLAN_SHARES`].
 fn share_of(plan: &Plan, scallop: f64) -> usize {
@@ -385,19 +409,25 @@ pub fn plan<'g>(
     let mut plans: Vec<Plan> = Vec::new();
     match options.strategy {
         Strategy::Auto | Strategy::Whole => {
-            let (source, whole_time) = best_source(&bench);
-            let whole = Layout::Whole(source);
-            plans.push(lay(&bench, &whole, &[], &Known::default(), stage));
+            let tried = best_sources(&bench);
+            let whole_time = tried.first().map_or(f64::INFINITY, |s| s.1);
+            let tries = if small { SOURCES } else { 1 };
+            for (source, time) in tried.into_iter().take(tries) {
+                // The estimate is no better than this.
+                if time > (1.0 + ALIKE) * whole_time {
+                    break;
+                }
+                let known = Known {
+                    settled: !plans.is_empty(),
+                    ..known(&plans, options.scallop)
+                };
+                plans.push(lay(&bench, &Layout::Whole(source), &[], &known, stage));
+            }
             if options.strategy == Strategy::Auto && small {
                 stage(Stage::Choose);
                 let choice = choose(&bench, Strategy::Auto);
                 if choice.time < NOT_LAID * whole_time {
-                    let to_beat = plans.first().map(|p| p.figures.time_s);
-                    let known = Known {
-                        share: FEATURES_FROM
-                            .max(plans.first().map_or(0, |p| share_of(p, options.scallop))),
-                        to_beat,
-                    };
+                    let known = known(&plans, options.scallop);
                     let layout = Layout::Features(choice.strategy());
                     plans.push(lay(&bench, &layout, &choice.fields, &known, stage));
                 }
@@ -408,10 +438,7 @@ pub fn plan<'g>(
         }
         other => {
             let choice = choose(&bench, other);
-            let known = Known {
-                share: FEATURES_FROM,
-                to_beat: None,
-            };
+            let known = Known::default();
             plans.push(lay(
                 &bench,
                 &Layout::Features(other),
@@ -425,7 +452,7 @@ pub fn plan<'g>(
     // Ties go to the first.
     let best = (0..plans.len())
         .reduce(|a, b| {
-            if plans[b].figures.time_s < plans[a].figures.time_s {
+            if plans[b].cost() < plans[a].cost() {
                 b
             } else {
                 a
