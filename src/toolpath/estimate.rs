@@ -30,6 +30,7 @@ pub(super) fn best_sources(bench: &Bench) -> Vec<(Source, f64)> {
                 passes_min: 2.0,
                 margin: 5.0,
                 over_share: 0.005,
+                persistence: 0.0,
             };
             let regions = crate::feature::whole(&grid, &metric, &metric, &s, &how);
             let time = time(bench, &grid, &metric, &regions);

@@ -130,12 +130,14 @@ impl Bench<'_> {
     }
 }
 
-/// Features of a layout, in a cusp metric whose unit is a cusp of `spaced_for` mm.
+/// Features of a layout, in a cusp metric whose unit is a cusp of `spaced_for` mm, grown from the critical points of at least some
+/// persistence.
 pub(super) fn regions_of(
     ground: &Ground,
     layout: &Layout,
     spaced_for: f64,
     cusp: &Metric,
+    persistence: f64,
 ) -> Regions {
     let grid = &ground.grid;
     let mut how = GrowOptions {
@@ -143,6 +145,7 @@ pub(super) fn regions_of(
         passes_min: 2.0,
         margin: 5.0,
         over_share: 0.005,
+        persistence,
     };
     match layout {
         Layout::Features(strategy) => {
@@ -186,6 +189,8 @@ fn raster_source(grid: &ToolCentreGrid, ruler: Ruler) -> Source {
 pub(super) struct Known {
     /// Index into [`PLAN_SHARES`] of the share to begin with.
     pub share: usize,
+    /// Features grow from critical points of at least this persistence.
+    pub persistence: f64,
     /// Its like has been laid with other shares already: this one is the best.
     pub settled: bool,
     /// What is slower than this by more than [`HOPELESS`] is not tried again with other shares, s.
@@ -205,11 +210,24 @@ pub(super) fn lay(
     stage: &mut dyn FnMut(Stage),
 ) -> Plan {
     let least = bench.first_share();
+    let persistence = known.persistence;
     if !bench.small() {
-        return lay_at(bench, layout, fields, PLAN_SHARES[least], stage);
+        return lay_at(
+            bench,
+            layout,
+            fields,
+            (PLAN_SHARES[least], persistence),
+            stage,
+        );
     }
     let first = known.share.clamp(least, PLAN_SHARES.len() - 1);
-    let mut best = lay_at(bench, layout, fields, PLAN_SHARES[first], stage);
+    let mut best = lay_at(
+        bench,
+        layout,
+        fields,
+        (PLAN_SHARES[first], persistence),
+        stage,
+    );
     if matches!(layout, Layout::Raster(_)) || known.settled {
         return best;
     }
@@ -222,7 +240,7 @@ pub(super) fn lay(
         if hopeless || clean(&best) {
             break;
         }
-        let next = lay_at(bench, layout, fields, share, stage);
+        let next = lay_at(bench, layout, fields, (share, persistence), stage);
         if next.cost() >= best.cost() {
             break;
         }
@@ -235,7 +253,7 @@ fn lay_at(
     bench: &Bench,
     layout: &Layout,
     fields: &[Chosen],
-    share: f64,
+    (share, persistence): (f64, f64),
     stage: &mut dyn FnMut(Stage),
 ) -> Plan {
     let Bench {
@@ -258,7 +276,7 @@ fn lay_at(
     };
     let fitting = FitOptions::for_scallop(options.scallop, cutter.radius());
     let mut metric = Metric::new(grid, Ruler::IsoScallop, spaced_for);
-    let mut regions = regions_of(ground, layout, spaced_for, &metric);
+    let mut regions = regions_of(ground, layout, spaced_for, &metric, persistence);
     apply(grid, &metric, spaced_for, fields, &mut regions);
     stage(Stage::Passes);
     let stepover = flat_stepover(options.scallop, cutter.radius());
@@ -300,7 +318,7 @@ fn lay_at(
             for (t, f) in metric.tensor.iter_mut().zip(&factor) {
                 t.iter_mut().for_each(|v| *v *= f64::from(*f));
             }
-            regions = regions_of(ground, layout, spaced_for, &metric);
+            regions = regions_of(ground, layout, spaced_for, &metric, persistence);
             apply(grid, &metric, spaced_for, fields, &mut regions);
         }
     }

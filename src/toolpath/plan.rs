@@ -1,6 +1,6 @@
 //! The whole shape half in one call: a placed part in, a proven toolpath out, with everything seen on the way.
 
-use super::choose::choose;
+use super::choose::{Choice, choose};
 use super::detail::Detail;
 use super::estimate::{best_raster_angle, best_sources};
 use super::fill::{FillReport, far};
@@ -345,7 +345,7 @@ pub fn survey(
 /// Grows the features of a surveyed part, with a field whose unit is a cusp of `spaced_for` mm.
 pub fn features(ground: &Ground, strategy: Strategy, spaced_for: f64) -> Regions {
     let cusp = Metric::new(&ground.grid, Ruler::IsoScallop, spaced_for);
-    regions_of(ground, &Layout::Features(strategy), spaced_for, &cusp)
+    regions_of(ground, &Layout::Features(strategy), spaced_for, &cusp, 0.0)
 }
 
 /// Turns are told within so many stepovers of a saddle.
@@ -359,11 +359,23 @@ const SOURCES: usize = 3;
 /// ... where the estimate says that they take no more than this share longer than the best.
 const ALIKE: f64 = 0.02;
 
+/// Ways of merging features that are laid where features are all that is asked for.
+const MERGED: usize = 2;
+
+/// The choice of least time, the first on a tie.
+fn quickest(choices: Vec<Choice>) -> Choice {
+    choices
+        .into_iter()
+        .reduce(|a, b| if b.time < a.time { b } else { a })
+        .unwrap_or_default()
+}
+
 /// What plans laid so far tell of the next.
 fn known(plans: &[Plan], scallop: f64) -> Known {
     Known {
         share: plans.first().map_or(0, |p| share_of(p, scallop)),
         settled: false,
+        persistence: 0.0,
         to_beat: plans.iter().map(|p| p.figures.time_s).reduce(f64::min),
     }
 }
@@ -425,9 +437,12 @@ pub fn plan<'g>(
             }
             if options.strategy == Strategy::Auto && small {
                 stage(Stage::Choose);
-                let choice = choose(&bench, Strategy::Auto);
+                let choice = quickest(choose(&bench, Strategy::Auto));
                 if choice.time < NOT_LAID * whole_time {
-                    let known = known(&plans, options.scallop);
+                    let known = Known {
+                        persistence: choice.persistence,
+                        ..known(&plans, options.scallop)
+                    };
                     let layout = Layout::Features(choice.strategy());
                     plans.push(lay(&bench, &layout, &choice.fields, &known, stage));
                 }
@@ -437,15 +452,17 @@ pub fn plan<'g>(
             plans.push(lay(&bench, &raster(angle), &[], &Known::default(), stage));
         }
         other => {
-            let choice = choose(&bench, other);
-            let known = Known::default();
-            plans.push(lay(
-                &bench,
-                &Layout::Features(other),
-                &choice.fields,
-                &known,
-                stage,
-            ));
+            let mut choices = choose(&bench, other);
+            choices.sort_by(|a, b| a.time.total_cmp(&b.time));
+            choices.truncate(if small { MERGED } else { 1 });
+            for choice in &choices {
+                let known = Known {
+                    persistence: choice.persistence,
+                    ..known(&plans, options.scallop)
+                };
+                let layout = Layout::Features(other);
+                plans.push(lay(&bench, &layout, &choice.fields, &known, stage));
+            }
         }
     }
     let mut candidates: Vec<Candidate> = plans.iter().flat_map(|p| p.candidates.clone()).collect();
