@@ -23,6 +23,8 @@ pub struct GrowOptions {
     pub margin: f64,
     /// Share of the ground that may get a cusp over the wanted one from a ruler other than iso-scallop, before filling.
     pub over_share: f64,
+    /// Critical points that would be cancelled below this difference of values are passed over.
+    pub persistence: f64,
 }
 
 /// The state of growing: what is taken, and by whom.

@@ -28,12 +28,15 @@ pub fn grow(
     let mut saddle_at: Vec<(usize, usize)> = critical
         .iter()
         .enumerate()
-        .filter(|(_, c)| c.kind == CriticalKind::Saddle)
+        .filter(|(_, c)| c.kind == CriticalKind::Saddle && c.persistence >= options.persistence)
         .map(|(i, c)| (c.node, i))
         .collect();
     saddle_at.sort_unstable();
     for (index, seed) in critical.iter().enumerate() {
-        if seed.kind == CriticalKind::Saddle || g.free[seed.node] < 0.0 {
+        if seed.kind == CriticalKind::Saddle
+            || seed.persistence < options.persistence
+            || g.free[seed.node] < 0.0
+        {
             continue;
         }
         let mut saddle: Option<usize> = None;

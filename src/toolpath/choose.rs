@@ -12,6 +12,7 @@ use crate::feature::{
 };
 use crate::field::{Metric, Ruler};
 use crate::geom::{Point2, Vector2};
+use crate::morse::CriticalKind;
 use crate::reach::{NodeKind, ToolCentreGrid};
 use rayon::prelude::*;
 
@@ -53,6 +54,8 @@ pub(super) struct Choice {
     pub fields: Vec<Chosen>,
     /// About how long all features take, s.
     pub time: f64,
+    /// Features grow from critical points of at least this persistence.
+    pub persistence: f64,
 }
 
 impl Choice {
@@ -67,17 +70,60 @@ impl Choice {
     }
 }
 
-/// Chooses how each feature of a layout is cut.
-pub(super) fn choose(bench: &Bench, layout: &Layout) -> Choice {
-    let mixed = matches!(layout, Layout::Features(Strategy::Auto) | Layout::Faces);
-    if !mixed && *layout != Layout::Features(Strategy::IsoScallop) {
-        return Choice::default();
+/// Ways of merging features that are weighed.
+const LADDER: usize = 4;
+/// A feature costs a way to where it begins: about half as long as it is wide.
+const WAY_THERE: f64 = 0.5;
+
+/// Persistences below which critical points may be passed over: none, and steps that each leave fewer of them, down to the last saddle. A feature that costs more to reach, and to end passes on, than it saves is none. A persistence that was asked for stands.
+fn ladder(bench: &Bench) -> Vec<f64> {
+    let mut all: Vec<f64> = bench
+        .ground
+        .critical
+        .iter()
+        .filter(|c| c.kind == CriticalKind::Saddle && c.persistence.is_finite())
+        .map(|c| c.persistence)
+        .collect();
+    if bench.options.persistence.is_some() || all.is_empty() || !bench.small() {
+        return vec![0.0];
     }
+    all.sort_by(f64::total_cmp);
+    let mut out = vec![0.0];
+    for k in 1..LADDER {
+        // The strongest stays: without it there are no features, and the whole part as one is weighed by itself.
+        let gone = (all.len() - 1) * k / (LADDER - 1);
+        let Some(last) = gone.checked_sub(1).and_then(|i| all.get(i)) else {
+            continue;
+        };
+        // Just above it, so that it goes too.
+        let above = last.next_up();
+        if out.last() != Some(&above) && all.last().is_some_and(|most| *most >= above) {
+            out.push(above);
+        }
+    }
+    out
+}
+
+/// Chooses how each feature of a layout is cut, for several ways of merging features; never none.
+pub(super) fn choose(bench: &Bench, layout: &Layout) -> Vec<Choice> {
+    match layout {
+        // Faces grow from no critical point.
+        Layout::Faces => vec![choose_from(bench, layout, 0.0)],
+        Layout::Features(Strategy::Auto | Strategy::IsoScallop) => ladder(bench)
+            .into_iter()
+            .map(|persistence| choose_from(bench, layout, persistence))
+            .collect(),
+        _ => vec![Choice::default()],
+    }
+}
+
+fn choose_from(bench: &Bench, layout: &Layout, persistence: f64) -> Choice {
+    let mixed = matches!(layout, Layout::Features(Strategy::Auto) | Layout::Faces);
     let fine = &bench.ground.grid;
     let spaced_for = PLAN_SHARES[0] * bench.options.scallop;
     let regions = {
         let cusp = bench.metric(layout, spaced_for);
-        bench.regions(layout, spaced_for, &cusp)
+        bench.regions(layout, spaced_for, &cusp, persistence)
     };
     let (grid, every) = coarser(fine);
     let regions = thinned(fine, &grid, every, &regions);
@@ -114,6 +160,7 @@ pub(super) fn choose(bench: &Bench, layout: &Layout) -> Choice {
             refield(&grid, &metrics, &regions, k, s, cut)
         });
         time += feature_time(1.0, bench, &grid, &cusp, refielded.as_ref().unwrap_or(f));
+        time += WAY_THERE * f.area_mm2.max(0.0).sqrt() / bench.links.feed;
         if let Some(source) = best {
             out.push(Chosen {
                 seed: f.seed,
@@ -122,7 +169,11 @@ pub(super) fn choose(bench: &Bench, layout: &Layout) -> Choice {
             });
         }
     }
-    Choice { fields: out, time }
+    Choice {
+        fields: out,
+        time,
+        persistence,
+    }
 }
 
 /// The quickest field of a feature, if it is not the seed's own.

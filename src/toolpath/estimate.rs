@@ -17,39 +17,44 @@ const ANGLES: usize = 24;
 /// What a branch costs: a way back to where the passes parted, s.
 const BRANCH: f64 = 2.0;
 
-/// The source from which the whole part is cut soonest (the first on a tie), and about how long that takes, s.
-pub(super) fn best_source(bench: &Bench) -> (Source, f64) {
+/// The sources of the whole part, the one from which it is cut soonest first (ties in their own order), and about how long each takes, s.
+pub(super) fn best_sources(bench: &Bench) -> Vec<(Source, f64)> {
     let (grid, _) = coarser(&bench.ground.grid);
     let spaced_for = PLAN_SHARES[0] * bench.options.scallop;
     let metric = Metric::new(&grid, Ruler::IsoScallop, spaced_for);
-    let all = sources(&grid);
-    let times: Vec<f64> = all
-        .par_iter()
+    let mut all: Vec<(Source, f64)> = sources(&grid)
+        .into_par_iter()
         .map(|s| {
             let how = crate::feature::GrowOptions {
                 ruler: Ruler::IsoScallop,
                 passes_min: 2.0,
                 margin: 5.0,
                 over_share: 0.005,
+                persistence: 0.0,
             };
-            let regions = crate::feature::whole(&grid, &metric, &metric, s, &how);
-            time(bench, &grid, &metric, &regions)
+            let regions = crate::feature::whole(&grid, &metric, &metric, &s, &how);
+            let time = time(bench, &grid, &metric, &regions);
+            (s, time)
         })
         .collect();
-    let best = (0..all.len()).reduce(|a, b| if times[b] < times[a] { b } else { a });
-    // The same source on the fine grid, by name.
+    all.sort_by(|a, b| a.1.total_cmp(&b.1));
+    // The same sources on the fine grid, by name.
     let fine = sources(&bench.ground.grid);
-    let time = best.map_or(f64::INFINITY, |k| times[k]);
-    let source = best
-        .and_then(|k| fine.iter().find(|s| s.name == all[k].name))
-        .or(fine.first())
-        .cloned()
-        .unwrap_or(Source {
-            name: "nowhere".to_string(),
-            nodes: Vec::new(),
-            front: crate::field::Front::Round,
-        });
-    (source, time)
+    let mut out: Vec<(Source, f64)> = all
+        .into_iter()
+        .filter_map(|(s, t)| Some((fine.iter().find(|f| f.name == s.name)?.clone(), t)))
+        .collect();
+    if out.is_empty() {
+        out.push((
+            fine.into_iter().next().unwrap_or(Source {
+                name: "nowhere".to_string(),
+                nodes: Vec::new(),
+                front: crate::field::Front::Round,
+            }),
+            f64::INFINITY,
+        ));
+    }
+    out
 }
 
 /// The angle (degrees, 0 to 180) at which plane sections of the widest allowed step are shortest.

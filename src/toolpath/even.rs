@@ -1,6 +1,9 @@
 //! Evening out: what a first layout of the passes leaves is measured, and the metric is stretched where its cusps came out higher (or
 //! lower) than it said. Facets, noise, and curvature that changes within a stepover are then in the metric, and few spots are left to
 //! fill.
+//!
+//! Twice: first by the mean of what is found around a place, then by what hardly any cusp around it exceeds, so that passes come closer
+//! only where the ground is rough. (Measured on a part of large facets: with closer passes everywhere, 298 s; so, 291 s.)
 
 use crate::feature::Regions;
 use crate::field::Metric;
@@ -16,6 +19,17 @@ pub struct EvenOptions {
     pub reach: usize,
     /// Least and largest correction of a squared length.
     pub bounds: [f64; 2],
+    /// What hardly any cusp exceeds counts, rather than their mean.
+    pub above: Option<Above>,
+}
+
+/// The mean of what is found around a place, and so many times what it strays from it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Above {
+    /// Standard deviations over the mean.
+    pub deviations: f32,
+    /// They are told over so many nodes to either side.
+    pub within: usize,
 }
 
 /// Ratios beyond this are no error of the metric: corners of passes, borders, creases.
@@ -32,11 +46,15 @@ pub fn correction(
     options: &EvenOptions,
 ) -> Vec<f32> {
     let (nx, ny) = (grid.nx, grid.ny);
+    let mut cusps = cusps;
+    if options.above.is_some() {
+        without_structure(grid, metric, regions, &mut cusps, options);
+    }
     let top = widest(&cusps, nx, ny, options.reach);
     // On a large part each of these is tens of megabytes: none stays longer than it must.
     drop(cusps);
     let [least, most] = options.bounds;
-    let ratio: Vec<f32> = (0..grid.len())
+    let mut ratio: Vec<f32> = (0..grid.len())
         .into_par_iter()
         .map(|i| {
             let r = f64::from(top[i]) / options.spaced_for;
@@ -48,6 +66,18 @@ pub fn correction(
         })
         .collect();
     drop(top);
+    if let Some(above) = options.above {
+        let middle = mean(&ratio, nx, ny, above.within);
+        ratio.par_iter_mut().for_each(|r| *r *= *r);
+        let squares = mean(&ratio, nx, ny, above.within);
+        ratio
+            .par_iter_mut()
+            .zip(middle.par_iter().zip(&squares))
+            .for_each(|(r, (m, s))| {
+                let strays = (s - m * m).max(0.0).sqrt();
+                *r = (m + above.deviations * strays).min(most as f32);
+            });
+    }
     // Twice a box: close to a Gauss bell; nodes without a figure take their neighbours'.
     let once = mean(&ratio, nx, ny, options.reach);
     drop(ratio);
@@ -56,6 +86,29 @@ pub fn correction(
         .into_iter()
         .map(|r| if r.is_nan() { 1.0 } else { r })
         .collect()
+}
+
+/// Forgets cusps where fronts meet or end, and beside them: they say nothing of the ground around.
+fn without_structure(
+    grid: &ToolCentreGrid,
+    metric: &Metric,
+    regions: &Regions,
+    cusps: &mut [f32],
+    options: &EvenOptions,
+) {
+    let is: Vec<f32> = (0..grid.len())
+        .into_par_iter()
+        .map(|i| {
+            let over = f64::from(cusps[i]) > STRUCTURE * options.spaced_for;
+            f32::from(u8::from(over || !slopes_evenly(grid, metric, regions, i)))
+        })
+        .collect();
+    let is = widest(&is, grid.nx, grid.ny, options.reach);
+    cusps.par_iter_mut().zip(&is).for_each(|(c, s)| {
+        if *s > 0.0 {
+            *c = 0.0;
+        }
+    });
 }
 
 /// Whether a node lies well inside its feature where the field is a distance, one unit a pass.

@@ -9,7 +9,7 @@ use super::choose::{Chosen, apply};
 use super::detail::Detail;
 use super::ease::{EaseOptions, GENTLE, OVER, SHARP, ease_chains, ease_passes};
 use super::errand::{ErrandOptions, errands};
-use super::even::{EvenOptions, correction};
+use super::even::{Above, EvenOptions, correction};
 use super::fill::{FillOptions, FillReport, cusps_at_nodes, fill, segments};
 use super::fit::FitOptions;
 use super::link::{Air, LinkOptions, link};
@@ -69,14 +69,18 @@ pub(super) struct Bench<'a> {
     pub closed_loop: bool,
 }
 
-/// Cusps are planned at one of these shares of what is wanted; the rest is for what the field, the fit and the rounding take, and for
-/// facets and noise: ground that is rough by a few micrometres leaves higher cusps than its metric says. Where filling costs more than
-/// closer passes would, the next share is tried (with 5 um of noise, 0.7 h is a fifth shorter than 0.92 h and its 2,000 fills).
-pub const PLAN_SHARES: [f64; 5] = [0.96, 0.92, 0.86, 0.78, 0.70];
-/// The share for a part that is too large to be laid more than once.
-const ONE_SHARE: f64 = 0.92;
+/// Cusps are planned at one of these shares of what is wanted; the rest is for what the field, the fit and the rounding take. Rough
+/// ground gets closer passes by itself ([`super::even`]); where filling still costs more than closer passes everywhere would, the next
+/// share is tried.
+pub const PLAN_SHARES: [f64; 6] = [0.97, 0.935, 0.90, 0.84, 0.77, 0.70];
+/// The first share leaves so much of the height that chords may leave standing.
+const CHORDS: f64 = 0.6;
 /// Grids with more nodes than this are laid once: what to lay is decided from estimates, and nothing is laid only to compare with.
 pub(super) const LAID_TWICE: usize = 3_000_000;
+/// Passes are spaced for so many standard deviations of the cusps over their mean ...
+const DEVIATIONS: f32 = 2.5;
+/// ... told within so many stepovers: roughness is much the same so far, curvature still is.
+const ROUGHNESS: f64 = 2.5;
 /// Fills no longer than this share of the passes are not worth a second plan.
 const FILL_SHARE: f64 = 0.005;
 /// Fill where a cusp is higher than this share of what is wanted. All of it: fill measures as exactly as the dry run does, and a little more
@@ -126,12 +130,29 @@ impl Bench<'_> {
         }
     }
 
-    /// Features of a layout, in that metric; those of faces are without fields yet.
-    pub fn regions(&self, layout: &Layout, spaced_for: f64, cusp: &Metric) -> Regions {
+    /// Features of a layout, in that metric, grown from critical points of at least this persistence; those of faces are without fields
+    /// yet.
+    pub fn regions(
+        &self,
+        layout: &Layout,
+        spaced_for: f64,
+        cusp: &Metric,
+        persistence: f64,
+    ) -> Regions {
         match (layout, &self.detail.faces) {
             (Layout::Faces, Some(f)) => f.regions(&self.ground.grid),
-            _ => regions_of(self.ground, layout, spaced_for, cusp),
+            _ => regions_of(self.ground, layout, spaced_for, cusp, persistence),
         }
+    }
+
+    /// Index of the widest share of the cusp that chords leave room for.
+    fn first_share(&self) -> usize {
+        let fitting = FitOptions::for_scallop(self.options.scallop, self.ground.cutter.radius());
+        let most = 1.0 - CHORDS * fitting.stock / self.options.scallop;
+        PLAN_SHARES
+            .iter()
+            .position(|s| *s <= most)
+            .unwrap_or(PLAN_SHARES.len() - 1)
     }
 
     /// Whether the part is small enough to be laid several times over.
@@ -140,12 +161,14 @@ impl Bench<'_> {
     }
 }
 
-/// Features of a layout, in a cusp metric whose unit is a cusp of `spaced_for` mm.
+/// Features of a layout, in a cusp metric whose unit is a cusp of `spaced_for` mm, grown from the critical points of at least some
+/// persistence.
 pub(super) fn regions_of(
     ground: &Ground,
     layout: &Layout,
     spaced_for: f64,
     cusp: &Metric,
+    persistence: f64,
 ) -> Regions {
     let grid = &ground.grid;
     let mut how = GrowOptions {
@@ -153,6 +176,7 @@ pub(super) fn regions_of(
         passes_min: 2.0,
         margin: 5.0,
         over_share: 0.005,
+        persistence,
     };
     match layout {
         Layout::Features(strategy) => {
@@ -201,6 +225,10 @@ fn raster_source(grid: &ToolCentreGrid, ruler: Ruler) -> Source {
 pub(super) struct Known {
     /// Index into [`PLAN_SHARES`] of the share to begin with.
     pub share: usize,
+    /// Features grow from critical points of at least this persistence.
+    pub persistence: f64,
+    /// Its like has been laid with other shares already: this one is the best.
+    pub settled: bool,
     /// What is slower than this by more than [`HOPELESS`] is not tried again with other shares, s.
     pub to_beat: Option<f64>,
 }
@@ -217,27 +245,30 @@ pub(super) fn lay(
     known: &Known,
     stage: &mut dyn FnMut(Stage),
 ) -> Plan {
+    let least = bench.first_share();
+    let persistence = known.persistence;
     if !bench.small() {
-        return lay_at(bench, layout, fields, ONE_SHARE, stage);
+        return lay_at(
+            bench,
+            layout,
+            fields,
+            (PLAN_SHARES[least], persistence),
+            stage,
+        );
     }
-    let first = known.share.min(PLAN_SHARES.len() - 1);
-    let mut best = lay_at(bench, layout, fields, PLAN_SHARES[first], stage);
-    if matches!(layout, Layout::Raster(_)) {
+    let first = known.share.clamp(least, PLAN_SHARES.len() - 1);
+    let mut best = lay_at(
+        bench,
+        layout,
+        fields,
+        (PLAN_SHARES[first], persistence),
+        stage,
+    );
+    if matches!(layout, Layout::Raster(_)) || known.settled {
         return best;
     }
     let clean =
         |p: &Plan| p.fill.length_mm <= FILL_SHARE * p.passes.iter().map(Pass::length).sum::<f64>();
-    if clean(&best) {
-        // Passes further apart may do as well.
-        for &share in PLAN_SHARES[..first].iter().rev() {
-            let next = lay_at(bench, layout, fields, share, stage);
-            if next.figures.time_s >= best.figures.time_s {
-                break;
-            }
-            best = next;
-        }
-        return best;
-    }
     for &share in &PLAN_SHARES[first + 1..] {
         let hopeless = known
             .to_beat
@@ -245,8 +276,8 @@ pub(super) fn lay(
         if hopeless || clean(&best) {
             break;
         }
-        let next = lay_at(bench, layout, fields, share, stage);
-        if next.figures.time_s >= best.figures.time_s {
+        let next = lay_at(bench, layout, fields, (share, persistence), stage);
+        if next.cost() >= best.cost() {
             break;
         }
         best = next;
@@ -265,7 +296,7 @@ fn lay_at(
     bench: &Bench,
     layout: &Layout,
     fields: &[Chosen],
-    share: f64,
+    (share, persistence): (f64, f64),
     stage: &mut dyn FnMut(Stage),
 ) -> Plan {
     let Bench {
@@ -288,7 +319,7 @@ fn lay_at(
     };
     let fitting = FitOptions::for_scallop(options.scallop, cutter.radius());
     let mut metric = bench.metric(layout, spaced_for);
-    let mut regions = bench.regions(layout, spaced_for, &metric);
+    let mut regions = bench.regions(layout, spaced_for, &metric, persistence);
     apply(grid, &metric, spaced_for, fields, &mut regions);
     stage(Stage::Passes);
     let stepover = flat_stepover(options.scallop, cutter.radius());
@@ -311,20 +342,30 @@ fn lay_at(
             (options.scallop / worst).sqrt().clamp(0.5, 2.0),
         );
     } else if layout_ruler(layout) == Ruler::IsoScallop {
-        let cusps = cusps_at_nodes(grid, reach, &first(&regions));
-        let how = EvenOptions {
-            spaced_for,
-            reach: (0.55 * stepover / grid.step).ceil() as usize,
-            bounds: [0.9, 1.25],
+        let nodes = |stepovers: f64| (stepovers * stepover / grid.step).ceil() as usize;
+        let above = Above {
+            deviations: DEVIATIONS,
+            within: nodes(ROUGHNESS),
         };
-        let factor = correction(grid, &metric, &regions, cusps, &how);
-        // On a large part two sets of fields are more than there is room for.
-        drop(std::mem::take(&mut regions));
-        for (t, f) in metric.tensor.iter_mut().zip(&factor) {
-            t.iter_mut().for_each(|v| *v *= f64::from(*f));
+        // On a large part once is all there is time for: what hardly any cusp exceeds, right away.
+        let rounds = [None, Some(above)];
+        for &round in &rounds[usize::from(!bench.small())..] {
+            let cusps = cusps_at_nodes(grid, reach, &first(&regions));
+            let how = EvenOptions {
+                spaced_for,
+                reach: nodes(0.55),
+                bounds: [0.9, 1.25],
+                above: round,
+            };
+            let factor = correction(grid, &metric, &regions, cusps, &how);
+            // On a large part two sets of fields are more than there is room for.
+            drop(std::mem::take(&mut regions));
+            for (t, f) in metric.tensor.iter_mut().zip(&factor) {
+                t.iter_mut().for_each(|v| *v *= f64::from(*f));
+            }
+            regions = bench.regions(layout, spaced_for, &metric, persistence);
+            apply(grid, &metric, spaced_for, fields, &mut regions);
         }
-        regions = bench.regions(layout, spaced_for, &metric);
-        apply(grid, &metric, spaced_for, fields, &mut regions);
     }
     let mut laid = passes(grid, cutter, &regions, &shape, &detail.steep, &fitting);
     // What is shorter than its distance to the next is no pass: the fill finds what it would be missed for.

@@ -1,8 +1,8 @@
 //! The whole shape half in one call: a placed part in, a proven toolpath out, with everything seen on the way.
 
-use super::choose::choose;
+use super::choose::{Choice, choose};
 use super::detail::Detail;
-use super::estimate::{best_raster_angle, best_source};
+use super::estimate::{best_raster_angle, best_sources};
 use super::fill::{FillReport, far};
 use super::fit::FitOptions;
 use super::layout::{
@@ -161,6 +161,18 @@ pub struct Plan {
     pub figures: Figures,
     /// Everything that was laid and weighed, this plan among them, with the two rasters to compare with.
     pub candidates: Vec<Candidate>,
+}
+
+/// A job should spend no more than this share of its time not cutting.
+const NOT_CUTTING: f64 = 0.05;
+
+impl Plan {
+    /// What plans are compared by, s: the time, and once more what of it goes into links and air beyond a twentieth of it. Each link is a
+    /// place where the finish may show it.
+    pub fn cost(&self) -> f64 {
+        let f = &self.figures;
+        f.time_s + (f.link_s + f.air_s - NOT_CUTTING * f.time_s).max(0.0)
+    }
 }
 
 /// What a toolpath takes on the machine.
@@ -333,7 +345,7 @@ pub fn survey(
 /// Grows the features of a surveyed part, with a field whose unit is a cusp of `spaced_for` mm.
 pub fn features(ground: &Ground, strategy: Strategy, spaced_for: f64) -> Regions {
     let cusp = Metric::new(&ground.grid, Ruler::IsoScallop, spaced_for);
-    regions_of(ground, &Layout::Features(strategy), spaced_for, &cusp)
+    regions_of(ground, &Layout::Features(strategy), spaced_for, &cusp, 0.0)
 }
 
 /// Turns are told within so many stepovers of a saddle.
@@ -343,8 +355,32 @@ const NEAR_SADDLE: f64 = 3.0;
 const NOT_LAID: f64 = 1.15;
 /// Where faces take less than this share of the time of the whole part as one feature, features that grow over walls are not laid.
 const PARTED: f64 = 0.95;
-/// Features have corners that the whole part has not, so they begin with the second of the shares.
-const FEATURES_FROM: usize = 1;
+
+/// Sources of the whole part that are laid ...
+const SOURCES: usize = 3;
+/// ... where the estimate says that they take no more than this share longer than the best.
+const ALIKE: f64 = 0.02;
+
+/// Ways of merging features that are laid where features are all that is asked for.
+const MERGED: usize = 2;
+
+/// The choice of least time, the first on a tie.
+fn quickest(choices: Vec<Choice>) -> Choice {
+    choices
+        .into_iter()
+        .reduce(|a, b| if b.time < a.time { b } else { a })
+        .unwrap_or_default()
+}
+
+/// What plans laid so far tell of the next.
+fn known(plans: &[Plan], scallop: f64) -> Known {
+    Known {
+        share: plans.first().map_or(0, |p| share_of(p, scallop)),
+        settled: false,
+        persistence: 0.0,
+        to_beat: plans.iter().map(|p| p.figures.time_s).reduce(f64::min),
+    }
+}
 
 /// The share of the cusp that a plan was laid for, as an index into [`PLAN_SHARES`].
 fn share_of(plan: &Plan, scallop: f64) -> usize {
@@ -388,30 +424,43 @@ pub fn plan<'g>(
     let mut plans: Vec<Plan> = Vec::new();
     match options.strategy {
         Strategy::Auto | Strategy::Whole => {
-            let (source, whole_time) = best_source(&bench);
-            let whole = Layout::Whole(source);
-            plans.push(lay(&bench, &whole, &[], &Known::default(), stage));
+            let tried = best_sources(&bench);
+            let whole_time = tried.first().map_or(f64::INFINITY, |s| s.1);
+            let tries = if small { SOURCES } else { 1 };
+            for (source, time) in tried.into_iter().take(tries) {
+                // The estimate is no better than this.
+                if time > (1.0 + ALIKE) * whole_time {
+                    break;
+                }
+                let known = Known {
+                    settled: !plans.is_empty(),
+                    ..known(&plans, options.scallop)
+                };
+                plans.push(lay(&bench, &Layout::Whole(source), &[], &known, stage));
+            }
             if options.strategy == Strategy::Auto && small {
                 stage(Stage::Choose);
+                let mut faces = None;
                 if detail.faces.is_some() {
-                    let choice = choose(&bench, &Layout::Faces);
-                    let known = Known {
-                        share: plans.first().map_or(0, |p| share_of(p, options.scallop)),
-                        to_beat: plans.first().map(|p| p.figures.time_s),
-                    };
-                    plans.push(lay(&bench, &Layout::Faces, &choice.fields, &known, stage));
+                    let choice = quickest(choose(&bench, &Layout::Faces));
+                    let known = known(&plans, options.scallop);
+                    let plan = lay(&bench, &Layout::Faces, &choice.fields, &known, stage);
+                    faces = Some(plan.figures.time_s);
+                    plans.push(plan);
                 }
                 // Passes that run over walls have no chance where passes between them do much better.
-                let times: Vec<f64> = plans.iter().map(|p| p.figures.time_s).collect();
-                let parted = matches!(times[..], [whole, faces] if faces < PARTED * whole);
+                let parted = faces.is_some_and(|faces| {
+                    known(&plans[..plans.len() - 1], options.scallop)
+                        .to_beat
+                        .is_some_and(|whole| faces < PARTED * whole)
+                });
                 if !parted {
                     stage(Stage::Choose);
-                    let choice = choose(&bench, &Layout::Features(Strategy::Auto));
+                    let choice = quickest(choose(&bench, &Layout::Features(Strategy::Auto)));
                     if choice.time < NOT_LAID * whole_time {
                         let known = Known {
-                            share: FEATURES_FROM
-                                .max(plans.first().map_or(0, |p| share_of(p, options.scallop))),
-                            to_beat: times.iter().copied().reduce(f64::min),
+                            persistence: choice.persistence,
+                            ..known(&plans, options.scallop)
                         };
                         let layout = Layout::Features(choice.strategy());
                         plans.push(lay(&bench, &layout, &choice.fields, &known, stage));
@@ -423,25 +472,24 @@ pub fn plan<'g>(
             plans.push(lay(&bench, &raster(angle), &[], &Known::default(), stage));
         }
         other => {
-            let choice = choose(&bench, &Layout::Features(other));
-            let known = Known {
-                share: FEATURES_FROM,
-                to_beat: None,
-            };
-            plans.push(lay(
-                &bench,
-                &Layout::Features(other),
-                &choice.fields,
-                &known,
-                stage,
-            ));
+            let mut choices = choose(&bench, &Layout::Features(other));
+            choices.sort_by(|a, b| a.time.total_cmp(&b.time));
+            choices.truncate(if small { MERGED } else { 1 });
+            for choice in &choices {
+                let known = Known {
+                    persistence: choice.persistence,
+                    ..known(&plans, options.scallop)
+                };
+                let layout = Layout::Features(other);
+                plans.push(lay(&bench, &layout, &choice.fields, &known, stage));
+            }
         }
     }
     let mut candidates: Vec<Candidate> = plans.iter().flat_map(|p| p.candidates.clone()).collect();
     // Ties go to the first.
     let best = (0..plans.len())
         .reduce(|a, b| {
-            if plans[b].figures.time_s < plans[a].figures.time_s {
+            if plans[b].cost() < plans[a].cost() {
                 b
             } else {
                 a
