@@ -6,7 +6,7 @@
 
 use super::fit::{FitOptions, resample, rest, smooth};
 use super::pass::{Pass, PassKind, laid};
-use super::wall::{Steep, laid_on_wall};
+use super::wall::{SHORTEST, Steep, laid_on_wall};
 use crate::feature::Regions;
 use crate::field::level_curves;
 use crate::geom::{Point, Point2, Vector2};
@@ -47,6 +47,7 @@ pub fn border(
         Family::Levels(k) => regions.features[k].levels.as_slice(),
         Family::Walls => walls.as_slice(),
     };
+    let shortest = SHORTEST * steep.options.stepover;
     let ground = |n: usize| grid.kind[n] == NodeKind::Ground;
     let value = |n: usize| if ground(n) { 1.0 } else { 0.0 };
     let crossing = |a: u32, b: u32| -> Option<Place> {
@@ -92,7 +93,7 @@ pub fn border(
     let mut out = Vec::new();
     for curve in level_curves(grid, &value, &[0.5]) {
         let places: Vec<Place> = curve.at.iter().filter_map(|e| crossing(e.a, e.b)).collect();
-        for (stretch, closed) in stretches(&places, curve.closed, &levels) {
+        for (stretch, closed) in stretches(&places, curve.closed, &levels, shortest) {
             let feature = stretch.iter().find_map(|&i| match places[i].field {
                 Some((Family::Levels(k), _)) => Some(k),
                 _ => None,
@@ -128,11 +129,56 @@ pub fn border(
     out
 }
 
+/// Takes out the pairs of cuts between which the border dips below a pass on a wall for less than that pass is worth: there is none then.
+fn unpassed(cuts: &mut Vec<usize>, places: &[Place], closed: bool, shortest: f64) {
+    let n = places.len();
+    loop {
+        let count = cuts.len();
+        let pairs = if closed && count > 2 {
+            count
+        } else {
+            count.saturating_sub(1)
+        };
+        let dip = |k: &usize| {
+            let (from, to) = (cuts[*k], cuts[(*k + 1) % count]);
+            let steps = (to + n - from) % n;
+            let inside = (1..=steps).map(|i| &places[(from + i) % n]);
+            let value = |p: &Place| match p.field {
+                Some((Family::Walls, v)) => Some(v),
+                _ => None,
+            };
+            let (Some(before), Some(first), Some(end), Some(after)) = (
+                value(&places[from]),
+                value(&places[(from + 1) % n]),
+                value(&places[to]),
+                value(&places[(to + 1) % n]),
+            ) else {
+                return false;
+            };
+            // Down through a level and up again through the same.
+            let through = before.max(first).floor();
+            let length: f64 = inside
+                .clone()
+                .zip(inside.skip(1))
+                .map(|(p, q)| (q.center - p.center).norm())
+                .sum();
+            first < before && end < after && through == after.max(end).floor() && length < shortest
+        };
+        let Some(k) = (0..pairs).find(dip) else {
+            return;
+        };
+        let (a, b) = (k, (k + 1) % count);
+        cuts.remove(a.max(b));
+        cuts.remove(a.min(b));
+    }
+}
+
 /// The runs of a border curve that need a pass, as indices into it, and whether a run is the whole closed curve.
 fn stretches<'l>(
     places: &[Place],
     closed: bool,
     levels: &impl Fn(Family) -> &'l [f64],
+    shortest: f64,
 ) -> Vec<(Vec<usize>, bool)> {
     let n = places.len();
     if n == 0 {
@@ -151,7 +197,8 @@ fn stretches<'l>(
         }
     };
     let last = if closed { n } else { n - 1 };
-    let cuts: Vec<usize> = (0..last).filter(|&i| cut_between(i, (i + 1) % n)).collect();
+    let mut cuts: Vec<usize> = (0..last).filter(|&i| cut_between(i, (i + 1) % n)).collect();
+    unpassed(&mut cuts, places, closed, shortest);
     let mut runs: Vec<(Vec<usize>, bool)> = Vec::new();
     if cuts.is_empty() {
         runs.push(((0..n).collect(), closed));

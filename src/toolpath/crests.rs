@@ -6,7 +6,7 @@
 
 use super::fill::{FillOptions, cusp, far};
 use super::fit::{resample, smooth};
-use crate::geom::{Point, Point2};
+use crate::geom::{Point, Point2, Vector2};
 use crate::reach::DropCutter;
 use crate::sweep::peak::{Look, Places, SLACK, crest, expected, reached};
 use crate::sweep::reachable::Offset;
@@ -162,6 +162,21 @@ impl Crests {
             self.lattice.x(c.x as usize) + self.lattice.step * f64::from(c.by[0]),
             self.lattice.y(c.y as usize) + self.lattice.step * f64::from(c.by[1]),
         ))
+    }
+
+    /// The centre of the ball that reaches a cell best, and the way off the part there in plan (unit length), where the part is steeper
+    /// than a normal of this height; `None` elsewhere.
+    pub fn on_wall(&self, x: i64, y: i64, steepest: f64) -> Option<(Point, Vector2)> {
+        let c = self.cells.get(self.span(y, x, x + 1).next()?)?;
+        if f64::from(c.normal_z) >= steepest {
+            return None;
+        }
+        let out = Vector2::new(f64::from(c.by[0]), f64::from(c.by[1])).try_normalize(0.5)?;
+        // By the normal: where the centre is in plan is known to a cell only, and on a wall that is no height.
+        let up = f64::from(c.normal_z).clamp(0.0, 1.0);
+        let q = Point2::new(self.lattice.x(c.x as usize), self.lattice.y(c.y as usize))
+            + out * (self.radius * (1.0 - up * up).sqrt());
+        Some((Point::new(q.x, q.y, c.base + self.radius * up), out))
     }
 
     /// A row of places (in cells; the first and the last lie beyond the cells they were led from) as a curve of ball centres in plan.

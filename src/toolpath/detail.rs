@@ -2,7 +2,7 @@
 
 use super::fill::segments;
 use super::fit::FitOptions;
-use super::layout::{PLAN_SHARES, flat_stepover};
+use super::layout::flat_stepover;
 use super::pass::Pass;
 use super::pencil::{PencilOptions, needed, pencil};
 use super::plan::{Ground, PlanOptions};
@@ -14,6 +14,8 @@ use crate::reach::creases;
 
 /// Ground steeper than this is a wall, degrees from the horizontal.
 pub const DEFAULT_WALL_ANGLE: f64 = 75.0;
+/// Walls are spaced for this share of the cusp wanted: the rest is for chords.
+const WALL_SHARE: f64 = 0.94;
 /// A crease gets a pencil pass where more than this share of the cusp wanted stands in it.
 const PENCIL_START: f64 = 0.75;
 
@@ -41,8 +43,7 @@ impl Detail {
                 angle: options.wall_angle.to_radians(),
                 // Passes keep off the wall, and cusps stand that much higher on it.
                 stepover: flat_stepover(
-                    (PLAN_SHARES[0] * options.scallop - pencils.off_wall)
-                        .max(0.5 * options.scallop),
+                    (WALL_SHARE * options.scallop - pencils.off_wall).max(0.5 * options.scallop),
                     cutter.radius(),
                 ),
                 floor: options.floor.unwrap_or(cutter.bounds().min.z),

@@ -9,6 +9,7 @@ use super::pass::{Pass, PassKind, laid};
 use super::settle::settled;
 use super::skeleton::middle_lines;
 use super::stroke::strokes;
+use super::wall::{WallOptions, laid_on_wall};
 use crate::feature::Regions;
 use crate::geom::{Point, Point2, Vector2};
 use crate::reach::ToolCentreGrid;
@@ -47,6 +48,8 @@ const UPRIGHT: f32 = 0.02;
 
 /// Rounds in which rows of spots are looked for.
 const STROKE_ROUNDS: usize = 2;
+/// Rounds in which spots on steep walls are filled as walls are cut; what that leaves is filled like any other ground.
+const WALL_ROUNDS: usize = 0;
 
 /// Adds fill passes to `passes` until no cusp stands over, or the rounds are used up. All tiles are swept and looked at once; what stands
 /// over, and the crest near it, is all that a later round can change, so only those cells are kept (40 bytes each) and swept again.
@@ -56,6 +59,7 @@ pub fn fill(
     reach: &ReachTiles,
     passes: &mut Vec<Pass>,
     options: &FillOptions,
+    walls: &WallOptions,
     fitting: &FitOptions,
 ) -> FillReport {
     let cutter = reach.drop_cutter();
@@ -76,10 +80,23 @@ pub fn fill(
         } else {
             Vec::new()
         };
+        let steepest = walls.angle.cos();
+        let mut strips: Vec<Vec<(Point, Vector2)>> = Vec::new();
         let curves: Vec<Vec<Point2>> = if rows.is_empty() {
             // Branches shorter than half a stepover are cut by the line they leave.
             middle_lines(&cells, ((0.5 * crests.stepover / step) as usize).max(3))
                 .iter()
+                .filter(|line| {
+                    let at: Vec<(Point, Vector2)> = line
+                        .iter()
+                        .filter_map(|&(x, y)| crests.on_wall(x, y, steepest))
+                        .collect();
+                    let steep = report.rounds <= WALL_ROUNDS && 2 * at.len() > line.len();
+                    if steep {
+                        strips.push(along_wall(at, 0.3 * crests.stepover));
+                    }
+                    !steep
+                })
                 .map(|line| {
                     let curve: Vec<Point2> = line
                         .iter()
@@ -93,29 +110,32 @@ pub fn fill(
         } else {
             rows.iter().map(|row| crests.along(row)).collect()
         };
-        let new: Vec<Vec<Pass>> = curves
+        let mut runs: Vec<Vec<(Vec<Point>, bool)>> = curves
             .par_iter()
             .map(|even| {
                 settled(cutter, even, step)
                     .iter()
                     .flat_map(|piece| laid(cutter, piece, false, fitting))
-                    .filter(|(points, _)| points.len() > 1)
-                    .map(|(points, closed)| {
-                        let feature = regions.feature_at(grid, &points[0].xy());
-                        Pass {
-                            kind: PassKind::Fill,
-                            feature,
-                            points,
-                            closed,
-                        }
-                    })
                     .collect()
             })
             .collect();
-        // Where a fill has been already, another does no more.
-        let new: Vec<Pass> = new
+        runs.par_extend(
+            strips
+                .par_iter()
+                .map(|strip| laid_on_wall(cutter, strip, false, walls, fitting)),
+        );
+        let new = runs
             .into_iter()
             .flatten()
+            .filter(|(points, _)| points.len() > 1)
+            .map(|(points, closed)| Pass {
+                kind: PassKind::Fill,
+                feature: regions.feature_at(grid, &points[0].xy()),
+                points,
+                closed,
+            });
+        // Where a fill has been already, another does no more.
+        let new: Vec<Pass> = new
             .filter(|p| !passes.iter().any(|q| again(p, q)))
             .collect();
         if new.is_empty() {
@@ -131,6 +151,29 @@ pub fn fill(
         report.length_mm += new.iter().map(Pass::length).sum::<f64>();
         passes.extend(new);
     }
+}
+
+/// Places on a wall in the order of a line along it, drawn out like a dab where it is one.
+fn along_wall(mut at: Vec<(Point, Vector2)>, shortest: f64) -> Vec<(Point, Vector2)> {
+    let length: f64 = at.windows(2).map(|w| (w[1].0 - w[0].0).xy().norm()).sum();
+    if length < shortest
+        && let (Some(first), Some(last)) = (at.first().copied(), at.last().copied())
+    {
+        let across = Vector2::new(-first.1.y, first.1.x);
+        let way = (last.0 - first.0).xy();
+        let side = if way.dot(&across) < 0.0 {
+            -across
+        } else {
+            across
+        };
+        let aside = |(p, out): (Point, Vector2), by: f64| {
+            (Point::new(p.x + side.x * by, p.y + side.y * by, p.z), out)
+        };
+        let by = 0.5 * (shortest - length);
+        at.insert(0, aside(first, -by));
+        at.push(aside(last, by));
+    }
+    at
 }
 
 /// Is a fill as good as the same as another pass?

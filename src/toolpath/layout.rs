@@ -414,10 +414,18 @@ fn lay_at(
         scallop: options.scallop,
         start: FILL_START,
         keep: 0.75,
-        rounds: 6,
+        rounds: 8,
     };
     let fill = if closed_loop {
-        fill(grid, &regions, reach, &mut all, &to_fill, &fitting)
+        fill(
+            grid,
+            &regions,
+            reach,
+            &mut all,
+            &to_fill,
+            &detail.steep.options,
+            &fitting,
+        )
     } else {
         FillReport::default()
     };

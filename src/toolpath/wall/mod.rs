@@ -104,7 +104,7 @@ const LEAP: f64 = 0.01;
 /// Centre height of air, for comparing: below everything.
 const AIR: f64 = -1e9;
 /// Runs at constant height that make one pass fewer than this many stepovers long cost more to reach than they cut.
-const SHORTEST: f64 = 4.0;
+pub(in crate::toolpath) const SHORTEST: f64 = 4.0;
 
 /// Does the ball roll over a sharp edge from one of two centres to the other, with these contacts?
 fn rolls(centers: [Point; 2], contacts: [Point; 2], radius: f64) -> bool {
