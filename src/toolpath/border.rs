@@ -47,7 +47,6 @@ pub fn border(
         Family::Levels(k) => regions.features[k].levels.as_slice(),
         Family::Walls => walls.as_slice(),
     };
-    let shortest = SHORTEST * steep.options.stepover;
     let ground = |n: usize| grid.kind[n] == NodeKind::Ground;
     let value = |n: usize| if ground(n) { 1.0 } else { 0.0 };
     let crossing = |a: u32, b: u32| -> Option<Place> {
@@ -93,7 +92,9 @@ pub fn border(
     let mut out = Vec::new();
     for curve in level_curves(grid, &value, &[0.5]) {
         let places: Vec<Place> = curve.at.iter().filter_map(|e| crossing(e.a, e.b)).collect();
-        for (stretch, closed) in stretches(&places, curve.closed, &levels, shortest) {
+        let on_walls = wall_stretches(&places, curve.closed, steep.count(), steep);
+        let others = stretches(&places, curve.closed, &levels);
+        for (stretch, closed) in others.into_iter().chain(on_walls) {
             let feature = stretch.iter().find_map(|&i| match places[i].field {
                 Some((Family::Levels(k), _)) => Some(k),
                 _ => None,
@@ -129,48 +130,111 @@ pub fn border(
     out
 }
 
-/// Takes out the pairs of cuts between which the border dips below a pass on a wall for less than that pass is worth: there is none then.
-fn unpassed(cuts: &mut Vec<usize>, places: &[Place], closed: bool, shortest: f64) {
+/// The runs of a border on steep walls that need a pass, as indices into it, and whether a run is the whole closed curve. The passes at
+/// constant height lie above the border, and end where they come to it: a place is clean beside the next one above, or beside such an end.
+fn wall_stretches(
+    places: &[Place],
+    closed: bool,
+    passes: usize,
+    steep: &Steep,
+) -> Vec<(Vec<usize>, bool)> {
     let n = places.len();
-    loop {
-        let count = cuts.len();
-        let pairs = if closed && count > 2 {
-            count
-        } else {
-            count.saturating_sub(1)
-        };
-        let dip = |k: &usize| {
-            let (from, to) = (cuts[*k], cuts[(*k + 1) % count]);
-            let steps = (to + n - from) % n;
-            let inside = (1..=steps).map(|i| &places[(from + i) % n]);
-            let value = |p: &Place| match p.field {
-                Some((Family::Walls, v)) => Some(v),
-                _ => None,
-            };
-            let (Some(before), Some(first), Some(end), Some(after)) = (
-                value(&places[from]),
-                value(&places[(from + 1) % n]),
-                value(&places[to]),
-                value(&places[(to + 1) % n]),
-            ) else {
-                return false;
-            };
-            // Down through a level and up again through the same.
-            let through = before.max(first).floor();
-            let length: f64 = inside
-                .clone()
-                .zip(inside.skip(1))
-                .map(|(p, q)| (q.center - p.center).norm())
-                .sum();
-            first < before && end < after && through == after.max(end).floor() && length < shortest
-        };
-        let Some(k) = (0..pairs).find(dip) else {
-            return;
-        };
-        let (a, b) = (k, (k + 1) % count);
-        cuts.remove(a.max(b));
-        cuts.remove(a.min(b));
+    let value: Vec<Option<f64>> = places
+        .iter()
+        .map(|p| match p.field {
+            Some((Family::Walls, v)) => Some(v),
+            _ => None,
+        })
+        .collect();
+    if n < 2 || value.iter().all(Option::is_none) {
+        return Vec::new();
     }
+    let last = if closed { n } else { n - 1 };
+    let gap = |i: usize| (places[(i + 1) % n].center - places[i].center).norm();
+    // Passes to the next one above, and whether one ends between a place and the one after it.
+    let mut above: Vec<Option<f64>> = value
+        .iter()
+        .map(|v| {
+            v.map(|v| v.ceil() - v)
+                .filter(|_| v.is_none_or(|v| v <= passes as f64 - 1.0))
+        })
+        .collect();
+    let mut ends: Vec<bool> = (0..last)
+        .map(|i| match (value[i], value[(i + 1) % n]) {
+            (Some(u), Some(v)) => u.floor() != v.floor(),
+            (a, b) => a.is_some() != b.is_some(),
+        })
+        .collect();
+    ends.resize(n, false);
+    // Where the border dips below a pass for less than that pass is worth, there is none.
+    for i in 0..last {
+        let (Some(u), Some(v)) = (value[i], value[(i + 1) % n]) else {
+            continue;
+        };
+        if u.floor() <= v.floor() {
+            continue;
+        }
+        let level = u.floor();
+        let (mut length, mut k) = (0.0, i + 1);
+        while k < i + n && (closed || k < n) && length < SHORTEST * steep.options.stepover {
+            match value[k % n] {
+                Some(w) if w < level => {}
+                Some(_) => {
+                    for j in i + 1..k {
+                        above[j % n] = value[j % n].map(|v| level + 1.0 - v);
+                        ends[j % n] = false;
+                    }
+                    ends[i] = false;
+                    break;
+                }
+                None => break,
+            }
+            length += gap(k % n);
+            k += 1;
+        }
+    }
+    // Way along the border to the nearest end of a pass.
+    let mut way = vec![f64::INFINITY; n];
+    let rounds = if closed { 2 * n } else { n };
+    let mut so_far = f64::INFINITY;
+    for k in 0..rounds {
+        let i = k % n;
+        way[i] = way[i].min(so_far);
+        so_far = if ends[i] { 0.0 } else { so_far + gap(i) };
+    }
+    so_far = f64::INFINITY;
+    for k in (0..rounds).rev() {
+        let i = k % n;
+        if ends[i] {
+            so_far = 0.0;
+        }
+        way[i] = way[i].min(so_far);
+        so_far += gap((i + n - 1) % n);
+    }
+    let needed: Vec<bool> = (0..n)
+        .map(|i| {
+            above[i].is_some_and(|a| a > CUT_BESIDE) && way[i] > CUT_BESIDE * steep.options.stepover
+        })
+        .collect();
+    if needed.iter().all(|n| *n) {
+        return vec![((0..n).collect(), closed)];
+    }
+    let start = if closed {
+        needed.iter().position(|n| !n).unwrap_or(0)
+    } else {
+        0
+    };
+    let mut out: Vec<(Vec<usize>, bool)> = Vec::new();
+    let mut run: Vec<usize> = Vec::new();
+    for k in 0..=n {
+        let i = (start + k) % n;
+        if k < n && needed[i] {
+            run.push(i);
+        } else if !run.is_empty() {
+            out.push((std::mem::take(&mut run), false));
+        }
+    }
+    out
 }
 
 /// The runs of a border curve that need a pass, as indices into it, and whether a run is the whole closed curve.
@@ -178,7 +242,6 @@ fn stretches<'l>(
     places: &[Place],
     closed: bool,
     levels: &impl Fn(Family) -> &'l [f64],
-    shortest: f64,
 ) -> Vec<(Vec<usize>, bool)> {
     let n = places.len();
     if n == 0 {
@@ -197,8 +260,7 @@ fn stretches<'l>(
         }
     };
     let last = if closed { n } else { n - 1 };
-    let mut cuts: Vec<usize> = (0..last).filter(|&i| cut_between(i, (i + 1) % n)).collect();
-    unpassed(&mut cuts, places, closed, shortest);
+    let cuts: Vec<usize> = (0..last).filter(|&i| cut_between(i, (i + 1) % n)).collect();
     let mut runs: Vec<(Vec<usize>, bool)> = Vec::new();
     if cuts.is_empty() {
         runs.push(((0..n).collect(), closed));
@@ -224,6 +286,9 @@ fn stretches<'l>(
             needed.push((run, whole));
             continue;
         };
+        if family == Family::Walls {
+            continue;
+        }
         let levels = levels(family);
         let values = run.iter().filter_map(|&i| places[i].field.map(|f| f.1));
         let (lo, hi) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |r, v| {
