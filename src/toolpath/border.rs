@@ -6,7 +6,7 @@
 
 use super::fit::{FitOptions, resample, rest, smooth};
 use super::pass::{Pass, PassKind, laid};
-use super::wall::{SHORTEST, Steep, laid_on_wall};
+use super::wall::{BRIDGED, SHORTEST, Steep, bridge, laid_on_wall};
 use crate::feature::Regions;
 use crate::field::level_curves;
 use crate::geom::{Point, Point2, Vector2};
@@ -211,11 +211,18 @@ fn wall_stretches(
         way[i] = way[i].min(so_far);
         so_far += gap((i + n - 1) % n);
     }
-    let needed: Vec<bool> = (0..n)
+    let mut needed: Vec<bool> = (0..n)
         .map(|i| {
             above[i].is_some_and(|a| a > CUT_BESIDE) && way[i] > CUT_BESIDE * steep.options.stepover
         })
         .collect();
+    // To go on costs less than to come again.
+    let at: Vec<Option<Point2>> = places
+        .iter()
+        .zip(&value)
+        .map(|(p, v)| v.map(|_| p.center.xy()))
+        .collect();
+    bridge(&mut needed, &at, closed, BRIDGED * steep.options.stepover);
     if needed.iter().all(|n| *n) {
         return vec![((0..n).collect(), closed)];
     }

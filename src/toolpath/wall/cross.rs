@@ -42,7 +42,7 @@ pub(super) struct Runs {
 }
 
 /// Gaps in a wall shorter than this many stepovers are cut with it.
-const BRIDGED: f64 = 4.0;
+pub(in crate::toolpath) const BRIDGED: f64 = 4.0;
 
 /// What is known of one edge of a curve.
 enum Asked {

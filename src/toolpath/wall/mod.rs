@@ -28,7 +28,9 @@ mod upright;
 pub use steep::{Steep, steep};
 pub use upright::Uprights;
 
+pub(in crate::toolpath) use cross::BRIDGED;
 pub(in crate::toolpath) use stack::{laid_on_wall, moved_out};
+pub(in crate::toolpath) use steep::bridge;
 
 use super::fit::FitOptions;
 use super::pass::{Pass, PassKind};

@@ -333,7 +333,12 @@ impl Steep {
 const LEAP_COUNTS: f64 = 0.7;
 
 /// Keeps what lies in short gaps (mm) between two kept places of a curve, unless there is no place at all in the gap.
-pub(super) fn bridge(kept: &mut [bool], at: &[Option<Point2>], closed: bool, longest: f64) {
+pub(in crate::toolpath) fn bridge(
+    kept: &mut [bool],
+    at: &[Option<Point2>],
+    closed: bool,
+    longest: f64,
+) {
     let n = kept.len();
     let Some(start) = kept.iter().position(|k| *k) else {
         return;
