@@ -130,15 +130,16 @@ pub fn steep(grid: &ToolCentreGrid, part: &Uprights, options: &WallOptions) -> S
             widen(&mut out.sloping, [z, z]);
         }
     }
-    out.heights = heights(out.sloping, bottom, &apart);
+    out.heights = heights(out.sloping, &apart);
     out
 }
 
-/// Heights at which walls that cusps stand on are cut, rising from whole stepovers above the floor.
-fn heights([lo, hi]: [f64; 2], bottom: f64, apart: &Apart) -> Vec<f64> {
+/// Heights at which walls that cusps stand on are cut, rising from almost a pass above the foot of the lowest: along the foot run a
+/// pencil pass or one on the border, and a height that is nearly theirs would be met in bits.
+fn heights([lo, hi]: [f64; 2], apart: &Apart) -> Vec<f64> {
     let mut out = Vec::new();
     if lo < hi && apart.flat > 0.0 {
-        let mut z = bottom + ((lo - bottom) / apart.flat).ceil() * apart.flat;
+        let mut z = lo + ABOVE_FOOT * apart.above(lo);
         while z <= hi {
             out.push(z);
             z += apart.above(z);
@@ -223,6 +224,9 @@ impl Apart {
             .fold(self.flat, f64::min)
     }
 }
+
+/// The lowest pass is so many passes above the foot.
+const ABOVE_FOOT: f64 = 0.9;
 
 /// Passes at constant height go on for so many stepovers beyond a wall.
 const OVERLAP: f64 = 1.0;
