@@ -49,7 +49,7 @@ const UPRIGHT: f32 = 0.02;
 /// Rounds in which rows of spots are looked for.
 const STROKE_ROUNDS: usize = 2;
 /// Rounds in which spots on steep walls are filled as walls are cut; what that leaves is filled like any other ground.
-const WALL_ROUNDS: usize = 0;
+const WALL_ROUNDS: usize = 4;
 
 /// Adds fill passes to `passes` until no cusp stands over, or the rounds are used up. All tiles are swept and looked at once; what stands
 /// over, and the crest near it, is all that a later round can change, so only those cells are kept (40 bytes each) and swept again.
