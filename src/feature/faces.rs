@@ -18,7 +18,7 @@
 
 use super::region::{Feature, FeatureKind, Regions, Window};
 use super::source::FieldSource;
-use crate::geom::Vector;
+use crate::geom::{RING, Vector};
 use crate::reach::{NodeKind, ToolCentreGrid};
 use rayon::prelude::*;
 
@@ -56,17 +56,6 @@ const SLIVER: f64 = 0.45;
 const SMALL: f64 = 4.0;
 /// More faces than this are no faces, but roughness.
 const MOST: usize = 400;
-
-const RING: [(i32, i32); 8] = [
-    (1, 0),
-    (1, 1),
-    (0, 1),
-    (-1, 1),
-    (-1, 0),
-    (-1, -1),
-    (0, -1),
-    (1, -1),
-];
 
 /// Divides the ground of a grid; `None` where nothing parts it. Linear in the nodes; the result does not depend on the cores.
 pub fn faces(grid: &ToolCentreGrid, options: &FaceOptions) -> Option<Faces> {
