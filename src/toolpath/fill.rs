@@ -139,11 +139,16 @@ pub fn fill(
             .filter(|p| !passes.iter().any(|q| again(p, q)))
             .collect();
         if new.is_empty() {
-            if rows.is_empty() {
+            // Nothing more from rows: next come the spots themselves. Nothing on walls: then as on other ground (over the outline of the
+            // part the ball rolls as if on a wall).
+            let tried = if !rows.is_empty() {
+                STROKE_ROUNDS
+            } else if !strips.is_empty() {
+                WALL_ROUNDS
+            } else {
                 return report;
-            }
-            // Nothing more from rows: next come the spots themselves.
-            report.rounds = report.rounds.max(STROKE_ROUNDS);
+            };
+            report.rounds = report.rounds.max(tried);
             continue;
         }
         crests.cut(&segments(&new));

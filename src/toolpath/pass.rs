@@ -383,15 +383,16 @@ fn trimmed_levels(
                     at: e.xy(grid),
                     keep: if wall { -1.0 } else { free + OVERLAP },
                     rim: e.value(past_rims),
-                    ground: [e.a, e.b]
+                    touches: [e.a, e.b]
                         .iter()
-                        .any(|&n| grid.kind[n as usize] == NodeKind::Ground),
+                        .any(|&n| grid.kind[n as usize] != NodeKind::Air),
                 }
             })
             .collect();
         for (mut run, closed) in kept(&at, curve.closed) {
-            // Fields go on a little beyond the outline, so that passes reach it; what lies there altogether is no pass.
-            if !run.iter().any(|t| t.ground) {
+            // Fields go on a little beyond the outline, so that passes reach it. Where the ball still rolls round it that cuts; what lies
+            // in the air altogether is no pass.
+            if !run.iter().any(|t| t.touches) {
                 continue;
             }
             if !closed {
@@ -423,8 +424,8 @@ struct Trimmed {
     keep: f64,
     /// Passes to the nearest rim that is cut.
     rim: f64,
-    /// Beside ground.
-    ground: bool,
+    /// The ball meets the part beside it.
+    touches: bool,
 }
 
 /// Takes from the start of a run what the pass on a rim cuts anyway. Passes that meet the rim squarely may end half a pass from it (and
@@ -491,7 +492,7 @@ fn kept(at: &[Trimmed], closed: bool) -> Vec<(Vec<Trimmed>, bool)> {
                 at: q.at + (p.at - q.at) * t,
                 keep: 0.0,
                 rim: q.rim + (p.rim - q.rim) * t,
-                ground: p.ground && q.ground,
+                touches: p.touches && q.touches,
             });
             if p.keep < 0.0 {
                 out.push((std::mem::take(&mut run), false));
