@@ -10,6 +10,7 @@
 //! [`ToolCentreGrid`] go out. Knows nothing of Morse functions or passes.
 
 mod bvh;
+mod clear;
 pub mod contact;
 pub mod crease;
 pub mod drop;

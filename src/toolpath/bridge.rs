@@ -242,9 +242,7 @@ pub fn is_free(cutter: &DropCutter, a: &Point, b: &Point, probe: f64, hint: &mut
     let n = ((b - a).norm() / probe).ceil().max(1.0) as usize;
     (0..=n).all(|k| {
         let q = a + (b - a) * (k as f64 / n as f64);
-        cutter
-            .drop_near(q.x, q.y, hint)
-            .is_none_or(|c| (c.center.z - q.z) * c.normal_z() <= TOUCH)
+        cutter.is_clear(&q, TOUCH, hint)
     })
 }
 
@@ -306,11 +304,10 @@ fn lift(cutter: &DropCutter, run: &[Point], over: &mut [f64], hint: &mut Hint) -
         let pieces = ((w[1] - w[0]).norm() / PROBE).ceil().max(1.0) as usize;
         for i in 0..=pieces {
             let q = w[0] + (w[1] - w[0]) * (i as f64 / pieces as f64);
-            let Some(c) = cutter.drop_near(q.x, q.y, hint) else {
+            if cutter.is_clear(&q, TOUCH, hint) {
                 continue;
-            };
-            let below = c.center.z - q.z;
-            if below * c.normal_z() > TOUCH {
+            }
+            if let Some(c) = cutter.drop_near(q.x, q.y, hint) {
                 lifted = true;
                 over[k] = over[k].max(c.center.z + ROOM);
                 over[k + 1] = over[k + 1].max(c.center.z + ROOM);

@@ -28,20 +28,7 @@ pub(super) struct Proof<'a> {
 
 impl Proof<'_> {
     pub(super) fn clear(&mut self, q: &Point, share: f64) -> bool {
-        let Some(c) = self.cutter.drop_near(q.x, q.y, &mut self.hint) else {
-            return true;
-        };
-        let most = share * self.how.gouge;
-        let below = c.center.z - q.z;
-        let deep = below * c.normal_z();
-        if below <= 0.0 || deep <= most {
-            return true;
-        }
-        if c.normal_z() > 0.3 && deep > PUSH {
-            return false;
-        }
-        // Beside a wall the ball would have to rise far for a hair: what counts is how deep it is in.
-        self.cutter.depth(q) <= most
+        (self.cutter).is_clear(q, share * self.how.gouge, &mut self.hint)
     }
 
     pub(super) fn chord(&mut self, a: &Point, b: &Point, share: f64) -> bool {

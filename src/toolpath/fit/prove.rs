@@ -134,41 +134,13 @@ fn look(cutter: &DropCutter, at: Point, t: f64, budget: f64, hint: &mut Hint) ->
     let depth = if low <= budget {
         low
     } else {
-        way_out(cutter, &at, guess, r.normal, low, hint)
+        cutter.way_out(&at, &r.normal, low, hint)
     };
     Look {
         depth,
         seen: guess.min(depth),
         ..own
     }
-}
-
-/// Length of a way out of the part that is no longer than it need be: at most `low` (straight up).
-fn way_out(
-    cutter: &DropCutter,
-    at: &Point,
-    guess: f64,
-    normal: Vector,
-    low: f64,
-    hint: &mut Hint,
-) -> f64 {
-    let (mut way, mut length) = (normal * guess, guess);
-    for _ in 0..4 {
-        let q = at + way;
-        let Some(r) = rest(cutter, q.x, q.y, hint) else {
-            return length.min(low);
-        };
-        let left = r.center.z - q.z;
-        if left <= 1e-6 {
-            return length.min(low);
-        }
-        way += r.normal * (left * r.normal.z + 1e-6);
-        length = way.norm();
-        if length >= low {
-            break;
-        }
-    }
-    low
 }
 
 /// Deepest a ball can be between two looks, where clearance bends by at most `bend`, 1/mm.
