@@ -134,7 +134,7 @@ fn look(cutter: &DropCutter, at: Point, t: f64, budget: f64, hint: &mut Hint) ->
     let depth = if low <= budget {
         low
     } else {
-        cutter.way_out(&at, &r.normal, low, hint)
+        cutter.way_out(&at, &r.normal, low, budget, hint)
     };
     Look {
         depth,
