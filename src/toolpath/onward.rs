@@ -1,29 +1,34 @@
-//! Onward: from the end of one run to the start of another further along the same wall.
+//! Onward: from the end of one run to the start of another, through the air beside a wall.
 //!
 //! ```text
-//!   ------.                       a curve that leaves the first as it runs and comes onto the second as that runs, bowed out from the
-//!    run   '-.___.-------         wall as far as it must be and no further; beside a leap there is no surface to follow
-//!                   run
+//!   ------.                       a curve in space that leaves the first as it runs and comes onto the second as that runs, bowed out
+//!    run   '-.___.-------         from the wall as far as it must be and no further; beside a leap, and round a solid, there is no
+//!                   run           surface to follow. Where the second lies behind, arcs up and down the wall turn the way round
 //! ```
 //!
 //! Crosses the border: two runs of ball centres in, the places between out, proven free; work coordinates, mm.
 
 use super::bridge::{End, is_free};
+use super::ease::{cubic, smooth};
 use super::fit::FitOptions;
-use crate::geom::{Point, Vector2};
+use super::turn::{Pose, Slant, turn};
+use crate::geom::{Point, Point2, Vector, Vector2};
 use crate::reach::{DropCutter, Hint};
 
 /// Runs further apart than this are not joined so, mm.
-const FARTHEST: f64 = 5.0;
-/// Steepest way up or down, as a slope on the whole.
-const STEEPEST: f64 = 0.9;
-/// How far the way is bowed out at most, in shares of its length: tried from the first on, to one side and to the other.
+const FARTHEST: f64 = 15.0;
+/// How far the way is bowed out at most, in shares of the gap: tried from the first on, to one side and to the other.
 const BOWS: [f64; 5] = [0.0, 0.03, 0.08, 0.16, 0.3];
-/// Places along the way.
-const PLACES: usize = 24;
+/// The way turns by about so much from chord to chord, rad, and by no more than the second.
+const TURN: (f64, f64) = (0.15, 0.4);
+/// A curve that bends more tightly than this, mm, is a corner; ways with arcs are made of these.
+const TIGHTEST: f64 = 0.15;
+const RADII: [f64; 3] = [1.0, 0.5, 0.25];
+/// Pieces of those are no longer, mm.
+const PIECE: f64 = 0.1;
 
-/// Places from the end of `before` to the start of `onto`, both among them; `None` where the second does not lie ahead, or the ball is
-/// not free on the way.
+/// Places from the end of `before` to the start of `onto`, both among them; `None` where the ball is not free on such a way, or it would
+/// have to turn sharply.
 pub(super) fn onward(
     cutter: &DropCutter,
     before: &[Point],
@@ -32,40 +37,89 @@ pub(super) fn onward(
 ) -> Option<Vec<Point>> {
     let (from, to) = (End::after(before)?, End::before(onto)?);
     let gap = to.at - from.at;
-    let flat = gap.xy().norm();
-    let (u, v) = (
-        from.heading.xy().try_normalize(1e-6)?,
-        to.heading.xy().try_normalize(1e-6)?,
-    );
-    let ahead = u.dot(&gap.xy()) > 0.3 * flat && v.dot(&gap.xy()) > 0.3 * flat && u.dot(&v) > 0.0;
-    if !ahead || gap.norm() > FARTHEST || gap.z.abs() > STEEPEST * flat {
+    let far = gap.norm();
+    if !(1e-3..=FARTHEST).contains(&far) {
         return None;
     }
-    let side = Vector2::new(-gap.y, gap.x);
+    // The wall's own plane: upright, along the way; on the way straight up a wall, along the runs.
+    let along = if gap.xy().norm() > 0.3 * far {
+        gap.xy()
+    } else {
+        from.heading.xy()
+    };
+    let along = along.try_normalize(1e-9)?;
+    let side = Vector::new(-along.y, along.x, 0.0);
+    let mut ways = vec![vec![from.at]];
+    cubic(
+        &from.at,
+        &from.heading,
+        &to.at,
+        &to.heading,
+        TURN.0,
+        &mut ways[0],
+    );
+    ways.retain(|w| !tight(w));
+    ways.extend(RADII.iter().filter_map(|r| arcs(&from, &to, &along, *r)));
     let mut hint = Hint::default();
-    BOWS.iter().flat_map(|b| [*b, -*b]).find_map(|bow| {
-        let mut out = vec![from.at];
-        for k in 1..=PLACES {
-            let t = k as f64 / PLACES as f64;
-            let s = 1.0 - t;
-            // Hermite's cubic, and a bow that begins and ends along it.
-            let rise = t * t * (3.0 - 2.0 * t);
-            let q = from.at.xy()
-                + gap.xy() * rise
-                + (u * (t * s * s) - v * (t * t * s)) * flat
-                + side * (16.0 * bow * t * t * s * s);
-            let next = if k == PLACES {
-                to.at
-            } else {
-                Point::new(q.x, q.y, from.at.z + gap.z * rise)
-            };
-            let last = out.last().copied()?;
-            if !is_free(cutter, &last, &next, 0.5 * fitting.probe, &mut hint) {
-                return None;
-            }
-            out.push(next);
-        }
-        Some(out)
+    let bowed = BOWS.iter().flat_map(|b| [*b, -*b]);
+    bowed
+        .flat_map(|bow| ways.iter().map(move |w| (bow * far, w)))
+        .find_map(|(bow, way)| {
+            let out = aside(way, |t| side * (16.0 * bow * (t * (1.0 - t)).powi(2)));
+            let free = smooth(&from.heading, &out, &to.heading, TURN.1)
+                && (out.windows(2))
+                    .all(|w| is_free(cutter, &w[0], &w[1], 0.5 * fitting.probe, &mut hint));
+            free.then_some(out)
+        })
+}
+
+/// A way moved by so much at each share of it.
+fn aside(way: &[Point], by: impl Fn(f64) -> Vector) -> Vec<Point> {
+    let last = (way.len() - 1) as f64;
+    way.iter()
+        .enumerate()
+        .map(|(k, q)| q + by(k as f64 / last))
+        .collect()
+}
+
+/// Arcs and a straight in the upright plane along the way, and from one end's heading across it to the other's.
+fn arcs(from: &End, to: &End, along: &Vector2, radius: f64) -> Option<Vec<Point>> {
+    let across = Vector2::new(-along.y, along.x);
+    // Along the plane, up it, and off it.
+    let split = |v: &Vector| (Vector2::new(v.xy().dot(along), v.z), v.xy().dot(&across));
+    let gap = split(&(to.at - from.at));
+    let pose = |at: Vector2, heading: &Vector| {
+        let (on, off) = split(heading);
+        let length = on.norm();
+        let pose = Pose {
+            at: Point2::from(at),
+            heading: on.try_normalize(0.5)?,
+        };
+        Some((pose, off / length))
+    };
+    let (start, leaves) = pose(Vector2::zeros(), &from.heading)?;
+    let (end, comes) = pose(gap.0, &to.heading)?;
+    let way = turn(&Slant::default(), &start, &end, radius);
+    let length = way.length;
+    let flat: Vec<Point> = way
+        .points(PIECE)
+        .iter()
+        .map(|q| from.at + Vector::new(along.x * q.x, along.y * q.x, q.y))
+        .collect();
+    let mut out = aside(&flat, |t| {
+        let s = 1.0 - t;
+        let off = length * t * s * (leaves * s - comes * t) + gap.1 * t * t * (3.0 - 2.0 * t);
+        Vector::new(across.x, across.y, 0.0) * off
+    });
+    *out.last_mut()? = to.at;
+    Some(out)
+}
+
+/// Does a way bend as a corner does?
+fn tight(way: &[Point]) -> bool {
+    way.windows(3).any(|w| {
+        let (u, v) = (w[1] - w[0], w[2] - w[1]);
+        u.norm().min(v.norm()) < TIGHTEST * u.angle(&v)
     })
 }
 
@@ -107,7 +161,8 @@ mod tests {
         let fitting = FitOptions::for_scallop(0.02, R);
         let (a, b) = (round(0.0, 0.5, 8.0), round(0.65, 1.0, 7.6));
         let way = onward(&cutter, &a, &b, &fitting).unwrap();
-        assert_eq!((way[0], way[PLACES]), (a[40], b[0]));
+        let last = way.len() - 1;
+        assert_eq!((way[0], way[last]), (a[40], b[0]));
         let length: f64 = way.windows(2).map(|w| (w[1] - w[0]).norm()).sum();
         assert!(length < 1.1 * (b[0] - a[40]).norm(), "{length}");
         for w in way.windows(2) {

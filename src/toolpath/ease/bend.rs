@@ -78,7 +78,13 @@ impl Proof<'_> {
     }
 }
 
-pub(super) fn smooth(before: &Vector, bend: &[Point], after: &Vector, most: f64) -> bool {
+/// Does a way turn by no more than `most` rad from chord to chord, and from the way before it and to that after it?
+pub(in crate::toolpath) fn smooth(
+    before: &Vector,
+    bend: &[Point],
+    after: &Vector,
+    most: f64,
+) -> bool {
     let mut way = *before;
     let mut at = bend[0];
     for q in &bend[1..] {
@@ -97,7 +103,7 @@ pub(super) fn smooth(before: &Vector, bend: &[Point], after: &Vector, most: f64)
 }
 
 /// A cubic from one place and heading to another: an arc where they lie so. Appended without its first point.
-pub(super) fn cubic(
+pub(in crate::toolpath) fn cubic(
     from: &Point,
     u: &Vector,
     to: &Point,

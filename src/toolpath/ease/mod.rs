@@ -15,6 +15,7 @@ mod bend;
 mod run;
 
 use self::bend::{Proof, beside, over, round};
+pub(super) use self::bend::{cubic, smooth};
 use self::run::{Corner, Place, Run, angle, windows};
 use super::chain::Chain;
 use super::moves::{Move, MoveKind, Toolpath};
