@@ -438,20 +438,6 @@ pub fn proof(
     options: &FitOptions,
 ) -> FitReport {
     let up = Vector::new(0.0, 0.0, cutter.radius());
-    if let Ok(f) = std::env::var("DBGM") {
-        let mut t = String::new();
-        for m in &toolpath.moves {
-            t += &format!(
-                "{:?} {:.3} {:.3} {:.3} {:.0}\n",
-                m.kind,
-                m.to.x,
-                m.to.y,
-                m.to.z,
-                m.feed_within(crate::units::MmPerMin(1500.0)).0
-            );
-        }
-        let _ = std::fs::write(f, t);
-    }
     let pairs: Vec<usize> = (1..toolpath.moves.len()).collect();
     let sums: Vec<FitReport> = pairs
         .par_chunks(CHUNK)
