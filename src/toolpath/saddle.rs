@@ -1,9 +1,9 @@
 //! How smoothly passes turn into one another near saddles, where features meet: the figure that says whether they are blended.
 
+use super::link::turn::bend;
 use super::moves::Toolpath;
 use super::pass::{Pass, PassKind};
 use super::sharp::{SHORTEST, each_turn};
-use super::turn::bend;
 use crate::geom::{Point, Point2, Vector, Vector2};
 use crate::morse::{CriticalKind, CriticalPoint};
 use crate::reach::DropCutter;

@@ -6,9 +6,9 @@ use super::EaseOptions;
 use super::run::{Place, angle};
 use crate::geom::{Point, Vector};
 use crate::reach::{DropCutter, Hint};
-use crate::toolpath::bridge::{End, bridge};
+use crate::toolpath::link::bridge::{End, bridge};
+use crate::toolpath::link::turn::{Pose, Slant, turn};
 use crate::toolpath::sharp::SHORTEST;
-use crate::toolpath::turn::{Pose, Slant, turn};
 
 /// Pieces of a bend are no longer, mm.
 const PIECE: f64 = 0.1;

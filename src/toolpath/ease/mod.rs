@@ -17,7 +17,7 @@ mod run;
 use self::bend::{Proof, beside, over, round};
 pub(super) use self::bend::{cubic, smooth};
 use self::run::{Corner, Place, Run, angle, windows};
-use super::chain::Chain;
+use super::link::chain::Chain;
 use super::moves::{Move, MoveKind, Toolpath};
 use super::pass::{Pass, PassKind};
 use crate::geom::{Point, Point2, Vector};

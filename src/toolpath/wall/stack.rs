@@ -10,8 +10,8 @@ use super::WallOptions;
 use super::cross::{Cross, between, split};
 use crate::geom::{Point, Point2, Vector2, nearest_on_segment};
 use crate::reach::{DropCutter, Hint};
-use crate::toolpath::bridge::{is_free as free, turned_back};
 use crate::toolpath::fit::{FitOptions, smooth};
+use crate::toolpath::link::bridge::{is_free as free, turned_back};
 
 /// Rounds in which the heights along a wall's edge are evened out, and those in which its places in plan are.
 const EVENED: (usize, usize) = (40, 8);

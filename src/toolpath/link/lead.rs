@@ -3,10 +3,10 @@
 //! The arc stands upright over the pass's heading. It is taken only where the ball stays out of the part all along it (proven by
 //! dropping the ball at every point of it); where no arc fits the lead is none, and the tool goes straight up or down.
 
-use super::fit::rest;
-use super::pass::Pass;
 use crate::geom::{Point, Vector};
 use crate::reach::{DropCutter, Hint};
+use crate::toolpath::fit::rest;
+use crate::toolpath::pass::Pass;
 
 /// A lead: where it is free of the surface, and the way between there and the pass.
 #[derive(Clone, Debug, PartialEq)]

@@ -8,13 +8,13 @@
 //!
 //! Crosses the border: fields of faces in, [`Pass`]es along the lines out, wanted or not: [`needed`](super::pencil::needed) tells.
 
-use super::fit::{FitOptions, resample, smooth};
-use super::pass::{Pass, PassKind, laid};
-use super::skeleton::middle_lines;
+use super::{Pass, PassKind, laid};
 use crate::feature::{Feature, FeatureKind, FieldSource, Regions, source::nodes};
 use crate::field::Metric;
 use crate::geom::{Point2, Vector2};
 use crate::reach::{DropCutter, NodeKind, ToolCentreGrid};
+use crate::toolpath::fill::skeleton::middle_lines;
+use crate::toolpath::fit::{FitOptions, resample, smooth};
 use rayon::prelude::*;
 
 /// Where a field rises by less than this a pass, fronts meet: at 25 degrees from straight on, where they leave a sixth more than the cusp.
@@ -23,7 +23,7 @@ const MEET: f64 = 0.91;
 const ACROSS: i32 = 2;
 
 /// A pass along each line in which fronts of a face meet. All cores; the order does not depend on them.
-pub(super) fn ridges(
+pub(in crate::toolpath) fn ridges(
     grid: &ToolCentreGrid,
     cutter: &DropCutter,
     regions: &Regions,

@@ -4,14 +4,14 @@
 //! places in it ([`crate::sweep::peak`]): on the part itself where the ball reaches it but for a little that facets hold back, on the
 //! surface that the ball can reach elsewhere. So what is called clean here is clean for whoever measures to the triangles.
 
-use super::fill::{FillOptions, cusp, far};
-use super::fit::{resample, smooth};
+use super::{FillOptions, cusp, far};
 use crate::geom::{Point, Point2, Vector2};
 use crate::reach::DropCutter;
 use crate::sweep::peak::{Look, Places, SLACK, crest, expected, reached};
 use crate::sweep::reachable::Offset;
 use crate::sweep::tiles::{area, touched};
 use crate::sweep::{Lattice, Paths, ReachTiles, Reachable, Segment, Swept, Tile};
+use crate::toolpath::fit::{resample, smooth};
 use rayon::prelude::*;
 
 /// Where the ball leaves no more than this share of the cusp height wanted on the part, the part is what counts: facets of a smooth part
@@ -74,7 +74,7 @@ impl Looked {
 
 /// The cells that stand over, and those of their crests nearby: by row, then by column.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Crests {
+pub(in crate::toolpath) struct Crests {
     lattice: Lattice,
     pub stepover: f64,
     radius: f64,

@@ -9,11 +9,11 @@
 //! Crosses the border: two runs of ball centres in, the places between out, proven free; work coordinates, mm.
 
 use super::bridge::{End, is_free};
-use super::ease::{cubic, smooth};
-use super::fit::FitOptions;
 use super::turn::{Pose, Slant, turn};
 use crate::geom::{Point, Point2, Vector, Vector2};
 use crate::reach::{DropCutter, Hint};
+use crate::toolpath::ease::{cubic, smooth};
+use crate::toolpath::fit::FitOptions;
 
 /// Runs further apart than this are not joined so, mm.
 const FARTHEST: f64 = 15.0;
@@ -29,7 +29,7 @@ const PIECE: f64 = 0.1;
 
 /// Places from the end of `before` to the start of `onto`, both among them; `None` where the ball is not free on such a way, or it would
 /// have to turn sharply.
-pub(super) fn onward(
+pub(in crate::toolpath) fn onward(
     cutter: &DropCutter,
     before: &[Point],
     onto: &[Point],

@@ -4,13 +4,13 @@
 //! (and leave four times the cusp): there the ball goes along the border itself, its contact on it. On a slope the centre then lies
 //! outside the part's outline. On a steep wall the passes at constant height take the place of level passes.
 
-use super::fit::{FitOptions, resample, rest, smooth};
-use super::pass::{Pass, PassKind, laid};
-use super::wall::{BRIDGED, SHORTEST, Steep, bridge, laid_on_wall};
+use super::{Pass, PassKind, laid};
 use crate::feature::Regions;
 use crate::field::level_curves;
 use crate::geom::{Point, Point2, Vector2};
 use crate::reach::{DropCutter, Hint, NodeKind, ToolCentreGrid};
+use crate::toolpath::fit::{FitOptions, resample, rest, smooth};
+use crate::toolpath::wall::{BRIDGED, SHORTEST, Steep, bridge, laid_on_wall};
 
 /// Ground up to this far (in passes) beyond the outermost pass is cut by it: half a pass, less what a field errs by at a border.
 const CUT_BESIDE: f64 = 0.42;

@@ -3,19 +3,24 @@
 //! Cusps are judged against what this ball *can* reach ([`crate::sweep::Reachable`]), not against the ideal surface: facets, noise and tight
 //! corners are the part's, not ours.
 
-use super::crests::Crests;
+mod crests;
+mod settle;
+pub(in crate::toolpath) mod skeleton;
+mod stroke;
+
 use super::fit::{FitOptions, resample, smooth};
 use super::pass::{Pass, PassKind, laid};
-use super::settle::settled;
-use super::skeleton::middle_lines;
-use super::stroke::strokes;
 use super::wall::{WallOptions, laid_on_wall};
 use crate::feature::Regions;
 use crate::geom::{Point, Point2, Vector2};
 use crate::reach::ToolCentreGrid;
 use crate::sweep::reachable::NONE;
 use crate::sweep::{ReachTiles, Reachable, Segment, Swept};
+use crests::Crests;
 use rayon::prelude::*;
+use settle::settled;
+use skeleton::middle_lines;
+use stroke::strokes;
 
 /// When and how far to fill.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -3,9 +3,10 @@
 //! Decided once for a layout, on a coarse copy of its features, and applied to the features as they grow again with every share of the
 //! cusp and every correction of the metric: a choice is known by the critical point its feature grew from.
 
+use super::Strategy;
 use super::estimate::{coarser, feature_time};
-use super::layout::{Bench, Layout, PLAN_SHARES};
-use super::plan::Strategy;
+use super::lay::PLAN_SHARES;
+use super::layout::{Bench, Layout};
 use crate::feature::source::{nodes, shared, widest_step};
 use crate::feature::{
     Feature, FeatureKind, FieldSource, Metrics, Regions, Window, refield, sources,
@@ -18,7 +19,7 @@ use rayon::prelude::*;
 
 /// A feature and how it is cut.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Chosen {
+pub(in crate::toolpath) struct Chosen {
     /// The critical point it grew from.
     seed: Option<usize>,
     /// A place in it, for one that grew from none.
@@ -49,7 +50,7 @@ const RIM_UNCUT: f64 = 0.5;
 
 /// How the features of a layout are cut.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Choice {
+pub(in crate::toolpath) struct Choice {
     /// Only what differs from the seed's own field.
     pub fields: Vec<Chosen>,
     /// About how long all features take, s.
@@ -105,7 +106,7 @@ fn ladder(bench: &Bench) -> Vec<f64> {
 }
 
 /// Chooses how each feature of a layout is cut, for several ways of merging features; never none.
-pub(super) fn choose(bench: &Bench, layout: &Layout) -> Vec<Choice> {
+pub(in crate::toolpath) fn choose(bench: &Bench, layout: &Layout) -> Vec<Choice> {
     match layout {
         // Faces grow from no critical point.
         Layout::Faces => vec![choose_from(bench, layout, 0.0)],
@@ -303,7 +304,7 @@ fn angles(
 }
 
 /// Gives features the fields that were chosen for them.
-pub(super) fn apply(
+pub(in crate::toolpath) fn apply(
     grid: &ToolCentreGrid,
     cusp: &Metric,
     spaced_for: f64,

@@ -2,8 +2,8 @@
 //! it round and by moving short stretches elsewhere, across features where that is shorter.
 
 use super::chain::Chain;
-use super::pass::Pass;
 use crate::geom::Point;
+use crate::toolpath::pass::Pass;
 
 /// Puts chains in an order that keeps moves between them short. Chains are turned round, and single loops rotated, to begin where they
 /// are entered. O(n^2) in the chains of a feature, and a round of improvement O(n^2) in all of them.
@@ -206,8 +206,8 @@ fn entry(c: &Chain, at: &Point) -> (f64, usize) {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
-    use super::super::pass::PassKind;
     use super::*;
+    use crate::toolpath::pass::PassKind;
 
     fn chain(feature: usize, x: f64) -> Chain {
         vec![Pass {

@@ -6,14 +6,14 @@
 //!   '------------------          the chain ends; `order` and `link` take over
 //! ```
 
+use super::LinkOptions;
 use super::bridge::{surface_or_bridge, turned_back};
-use super::fit::{FitOptions, fit_between};
-use super::link::LinkOptions;
 use super::onward::onward;
-use super::pass::{Pass, PassKind, slopes};
 use super::turn::{Pose, Slant, Turn, turn};
 use crate::geom::{Point, Point2, Vector, Vector2};
 use crate::reach::{DropCutter, Hint};
+use crate::toolpath::fit::{FitOptions, fit_between};
+use crate::toolpath::pass::{Pass, PassKind, slopes};
 use rayon::prelude::*;
 
 /// How far the next pass may be.

@@ -12,12 +12,12 @@
 //! Crosses the border: a way in plan ([`Turn`]) and a part made ready for a ball in, places of the ball's centre out; work
 //! coordinates, mm.
 
+use super::LinkOptions;
 use super::chain::{Ends, smooth_link};
-use super::fit::FitOptions;
-use super::link::LinkOptions;
 use super::turn::{Slant, Turn, turn};
 use crate::geom::{Point, Point2, Vector};
 use crate::reach::{DropCutter, Hint};
+use crate::toolpath::fit::FitOptions;
 
 /// An end of a link.
 #[derive(Clone, Copy, Debug, PartialEq)]

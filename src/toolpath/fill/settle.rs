@@ -17,7 +17,11 @@ const HALVINGS: usize = 8;
 
 /// The pieces of a curve between leaps, without its places on top of one within a cell and a half (mm) of its edge: what stands there is
 /// the wall below, and the passes down walls are for that.
-pub(super) fn settled(cutter: &DropCutter, curve: &[Point2], cell: f64) -> Vec<Vec<Point2>> {
+pub(in crate::toolpath) fn settled(
+    cutter: &DropCutter,
+    curve: &[Point2],
+    cell: f64,
+) -> Vec<Vec<Point2>> {
     let mut over = Over {
         cutter,
         hint: Hint::default(),

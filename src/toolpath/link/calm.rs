@@ -6,8 +6,8 @@
 //!
 //! Crosses the border: moves of the tool tip in, the same moves out, [`Move::feed`] set on some cuts and links. Knows nothing of the part.
 
-use super::link::LinkOptions;
-use super::moves::{Move, MoveKind};
+use super::LinkOptions;
+use crate::toolpath::moves::{Move, MoveKind};
 use crate::units::MmPerMin;
 
 /// A cut is thrown up and down by no more than this share of `vertical`, a link by all of it: cuts are what is looked at afterwards.

@@ -2,9 +2,9 @@
 //!
 //! Bends are measured on the surface, not in plan: on a slope a wide bend in plan is a tight one where the way turns downhill.
 
-use super::fit::resample;
-use super::turn::bend;
 use crate::geom::{Point2, Vector, Vector2};
+use crate::toolpath::fit::resample;
+use crate::toolpath::link::turn::bend;
 
 /// How far corners are rounded.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,16 +1,16 @@
 //! What is smaller or steeper than the ball likes: creases and walls, found once for a part, cut in every layout of it.
 
-use super::fill::segments;
-use super::fit::FitOptions;
 use super::layout::flat_stepover;
-use super::pass::Pass;
-use super::pencil::{PencilOptions, needed, pencil};
-use super::plan::{Ground, PlanOptions};
-use super::wall::{Steep, Uprights, WallOptions, Walls, steep, walls};
+use super::{Ground, PlanOptions};
 use crate::feature::{FaceOptions, Faces, FeatureKind, Regions, faces};
 use crate::geom::Point;
 use crate::part::Mesh;
 use crate::reach::creases;
+use crate::toolpath::fill::segments;
+use crate::toolpath::fit::FitOptions;
+use crate::toolpath::pass::Pass;
+use crate::toolpath::pass::pencil::{PencilOptions, needed, pencil};
+use crate::toolpath::wall::{Steep, Uprights, WallOptions, Walls, steep, walls};
 
 /// Ground steeper than this is a wall, degrees from the horizontal.
 pub const DEFAULT_WALL_ANGLE: f64 = 75.0;
@@ -20,7 +20,7 @@ const WALL_SHARE: f64 = 0.94;
 const PENCIL_START: f64 = 0.75;
 
 /// What is smaller or steeper than the ball likes, and the passes for it: the same for every plan of a part.
-pub(super) struct Detail {
+pub(in crate::toolpath) struct Detail {
     /// Along all creases, of no feature.
     pencils: Vec<Pass>,
     walls: Walls,

@@ -1,20 +1,29 @@
 //! Linking: from the end of one pass to the start of the next, along the surface when that is proven and quicker, else through the
 //! air, no higher than needed.
 
-use super::bridge::surface_or_bridge;
-use super::calm::calm;
-use super::chain::{Chain, Ends, exit, quickest_turn, smooth_link, start};
+pub(in crate::toolpath) mod bridge;
+mod calm;
+pub mod chain;
+pub(in crate::toolpath) mod errand;
+mod lead;
+mod onward;
+pub mod order;
+pub(in crate::toolpath) mod turn;
+
 use super::ease::{EaseOptions, ease_path};
 use super::fit::FitOptions;
-use super::lead::{self, Lead};
 use super::moves::{Move, MoveKind, Section, Toolpath};
-use super::onward::onward;
 use super::pass::{Pass, PassKind, slopes};
-use super::turn::Slant;
 use crate::feature::Regions;
 use crate::geom::{Point, Vector};
 use crate::part::Mesh;
 use crate::reach::{DropCutter, Hint};
+use bridge::surface_or_bridge;
+use calm::calm;
+use chain::{Chain, Ends, exit, quickest_turn, smooth_link, start};
+use lead::Lead;
+use onward::onward;
+use turn::Slant;
 
 /// The few speeds that decide between two links, and how much air is safe.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -10,12 +10,12 @@
 //!
 //! Crosses the border: chains of resting balls ([`Crease`]) in, [`Pass`]es of ball centres out; work coordinates, mm.
 
-use super::fit::FitOptions;
-use super::pass::{Pass, PassKind, laid};
-use super::wall::moved_out;
+use super::{Pass, PassKind, laid};
 use crate::geom::{Point, Point2, Vector, Vector2};
 use crate::reach::{Crease, CreaseOptions, CreasePoint, DropCutter, Hint};
 use crate::sweep::{Paths, Segment};
+use crate::toolpath::fit::FitOptions;
+use crate::toolpath::wall::moved_out;
 use rayon::prelude::*;
 
 /// Which creases get a pass.

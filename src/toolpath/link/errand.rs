@@ -9,13 +9,13 @@
 //! A fill is a millimetre or two long and lies beside passes that come by anyway; a trip to it at the end of a feature crosses the
 //! feature. Chains in and out, ball centres, mm.
 
+use super::LinkOptions;
 use super::chain::{Chain, Ends, exit, quickest_turn, smooth_link, start};
-use super::fit::FitOptions;
-use super::link::LinkOptions;
-use super::pass::{Pass, PassKind, slopes};
 use super::turn::{Pose, Slant, Turn};
 use crate::geom::{Point, Point2};
 use crate::reach::DropCutter;
+use crate::toolpath::fit::FitOptions;
+use crate::toolpath::pass::{Pass, PassKind, slopes};
 
 /// What is an errand.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,13 +1,15 @@
 //! The whole shape half in one call: a placed part in, a proven toolpath out, with everything seen on the way.
 
-use super::choose::{Choice, choose};
-use super::detail::Detail;
-use super::estimate::{best_raster_angle, best_sources};
+mod choose;
+pub mod detail;
+mod estimate;
+mod even;
+pub mod lay;
+pub mod layout;
+mod rasters;
+
 use super::fill::{FillReport, far};
 use super::fit::FitOptions;
-use super::layout::{
-    Bench, Known, LAID_TWICE, Layout, PLAN_SHARES, flat_stepover, lay, regions_of, sweep_step,
-};
 use super::link::LinkOptions;
 use super::moves::{MoveKind, Toolpath};
 use super::pass::Pass;
@@ -24,6 +26,11 @@ use crate::morse::{
 use crate::part::Mesh;
 use crate::reach::{DropCutter, GridError, GridOptions, GridPlan, ToolCentreGrid};
 use crate::sweep::{ReachTiles, reachable_bytes};
+use choose::{Choice, choose};
+use detail::Detail;
+use estimate::{best_raster_angle, best_sources};
+use lay::{Known, PLAN_SHARES, lay};
+use layout::{Bench, LAID_TWICE, Layout, flat_stepover, regions_of, sweep_step};
 use std::sync::OnceLock;
 
 /// What becomes a feature, and how passes are spaced in it.
@@ -502,7 +509,7 @@ pub fn plan<'g>(
     let mut chosen = plans.swap_remove(best);
     drop(plans);
     if small {
-        candidates.extend(super::layout::rasters(
+        candidates.extend(rasters::rasters(
             &bench,
             (!matches!(options.strategy, Strategy::Raster(_))).then(|| raster(None)),
             &chosen,

@@ -1,8 +1,9 @@
 //! What a layout would take, from its field alone: which side of the part to begin at, and at what angle to lay a raster, are decided
 //! on a coarse copy of the grid, without dropping a ball.
 
-use super::layout::{Bench, PLAN_SHARES, flat_stepover};
-use super::plan::Strategy;
+use super::Strategy;
+use super::lay::PLAN_SHARES;
+use super::layout::{Bench, flat_stepover};
 use crate::feature::source::nodes;
 use crate::feature::{Feature, FeatureKind, Regions, Source, sources};
 use crate::field::{Metric, Ruler, level_curves};
@@ -18,7 +19,7 @@ const ANGLES: usize = 24;
 const BRANCH: f64 = 2.0;
 
 /// The sources of the whole part, the one from which it is cut soonest first (ties in their own order), and about how long each takes, s.
-pub(super) fn best_sources(bench: &Bench) -> Vec<(Source, f64)> {
+pub(in crate::toolpath) fn best_sources(bench: &Bench) -> Vec<(Source, f64)> {
     let (grid, _) = coarser(&bench.ground.grid);
     let spaced_for = PLAN_SHARES[0] * bench.options.scallop;
     let metric = Metric::new(&grid, Ruler::IsoScallop, spaced_for);
@@ -58,7 +59,7 @@ pub(super) fn best_sources(bench: &Bench) -> Vec<(Source, f64)> {
 }
 
 /// The angle (degrees, 0 to 180) at which plane sections of the widest allowed step are shortest.
-pub(super) fn best_raster_angle(bench: &Bench) -> f64 {
+pub(in crate::toolpath) fn best_raster_angle(bench: &Bench) -> f64 {
     let (grid, _) = coarser(&bench.ground.grid);
     let metric = Metric::new(&grid, Ruler::IsoScallop, bench.options.scallop);
     let angles: Vec<f64> = (0..ANGLES)
@@ -141,7 +142,7 @@ fn time(bench: &Bench, grid: &ToolCentreGrid, metric: &Metric, regions: &Regions
 }
 
 /// About how long the passes of one feature take, trimmed to its ground, s; the turns between them weigh `turns` times what they take.
-pub(super) fn feature_time(
+pub(in crate::toolpath) fn feature_time(
     turns: f64,
     bench: &Bench,
     grid: &ToolCentreGrid,
@@ -255,7 +256,7 @@ fn slope(grid: &ToolCentreGrid, i: usize) -> Vector2 {
 }
 
 /// Every k-th node of a grid, so that few enough are left, and k. Border crossings are left out.
-pub(super) fn coarser(grid: &ToolCentreGrid) -> (ToolCentreGrid, usize) {
+pub(in crate::toolpath) fn coarser(grid: &ToolCentreGrid) -> (ToolCentreGrid, usize) {
     let k = ((grid.len() as f64 / NODES as f64).sqrt().ceil() as usize).max(1);
     let (nx, ny) = (grid.nx.div_ceil(k), grid.ny.div_ceil(k));
     let fine = |i: usize| (i / nx) * k * grid.nx + (i % nx) * k;

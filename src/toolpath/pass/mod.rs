@@ -1,15 +1,21 @@
 //! Passes: level curves of a feature, trimmed to the ground that is its own.
 
-use super::border::border;
-use super::corner::{Rounding, refined, round_corners};
+mod border;
+pub(in crate::toolpath) mod corner;
+pub mod pencil;
+pub(in crate::toolpath) mod ridge;
+mod spiral;
+
 use super::fit::{FitOptions, fit, resample, rest, smooth};
-use super::spiral::{Leveled, SpiralOptions, spirals};
 use super::wall::Steep;
 use crate::feature::{Feature, Regions};
 use crate::field::level_curves;
 use crate::geom::{Point, Point2, Vector2};
 use crate::reach::{Contact, DropCutter, Hint, NodeKind, ToolCentreGrid};
+use border::border;
+use corner::{Rounding, refined, round_corners};
 use rayon::prelude::*;
+use spiral::{Leveled, SpiralOptions, spirals};
 
 /// Why a pass is there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

@@ -13,8 +13,8 @@
 //!
 //! Works in plan: the spiral is dropped and proven like any pass. Passes in and out, mm.
 
-use super::fit::{resample, smooth};
 use crate::geom::{Point2, Vector2, nearest_on_segment};
+use crate::toolpath::fit::{resample, smooth};
 
 /// A level curve in plan, and which level it is.
 #[derive(Clone, Debug, PartialEq)]
@@ -314,7 +314,7 @@ mod tests {
         // It nowhere bends tighter than the innermost loop but for the rounding of the rise.
         let worst = path
             .windows(3)
-            .map(|w| super::super::turn::bend(&(w[1] - w[0]), &(w[2] - w[1])))
+            .map(|w| crate::toolpath::link::turn::bend(&(w[1] - w[0]), &(w[2] - w[1])))
             .skip(30)
             .fold(0.0, f64::max);
         assert!(worst < 0.1 / 0.3, "{worst}");
