@@ -244,14 +244,10 @@ pub fn smooth_link(
         .find(|p| (*p - ends.from).norm() > 1e-9);
     let ahead = ends.onto.iter().find(|p| (*p - to).norm() > 1e-9);
     let (Some(from), Some(onto)) = (
-        behind.and_then(|b| pose(ends.from, b)),
-        ahead.and_then(|a| pose(to, a)),
+        behind.and_then(|b| Pose::new(ends.from.xy(), (ends.from - b).xy())),
+        ahead.and_then(|a| Pose::new(to.xy(), (a - to).xy())),
     ) else {
         return best.1;
-    };
-    let onto = Pose {
-        heading: -onto.heading,
-        ..onto
     };
     let mut slope = slopes(cutter);
     let drawn = way.points(fitting.probe);
@@ -493,25 +489,13 @@ pub fn exit(p: &Pass) -> Option<Pose> {
     } else {
         (p.points.get(n.checked_sub(2)?)?, p.points.last()?)
     };
-    pose(b, a)
+    Pose::new(b.xy(), (b - a).xy())
 }
 
 /// Where a pass begins and the way it is heading there.
 pub fn start(p: &Pass) -> Option<Pose> {
     let (a, b) = (p.points.first()?, p.points.get(1)?);
-    pose(a, b).map(|q| Pose {
-        at: q.at,
-        heading: -q.heading,
-    })
-}
-
-fn pose(at: &Point, behind: &Point) -> Option<Pose> {
-    let d: Vector2 = at.xy() - behind.xy();
-    let l = d.norm();
-    (l > 0.0).then(|| Pose {
-        at: at.xy(),
-        heading: d / l,
-    })
+    Pose::new(a.xy(), (b - a).xy())
 }
 
 /// The pass (as an index into `alive`) that can be entered soonest from a pose at height z.

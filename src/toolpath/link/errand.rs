@@ -223,13 +223,9 @@ fn ends_of(errand: &Chain) -> Option<(Point2, Point2)> {
     ))
 }
 
+/// At one place, heading for another.
 fn pose(at: &Point, to: &Point) -> Option<Pose> {
-    let d = to.xy() - at.xy();
-    let l = d.norm();
-    (l > 0.0).then(|| Pose {
-        at: at.xy(),
-        heading: d / l,
-    })
+    Pose::new(at.xy(), (to - at).xy())
 }
 
 fn way(
@@ -414,20 +410,21 @@ mod tests {
         reach: 4.0,
     };
 
-    /// Everything that was cut is cut, the chain hangs together, and the way there and back is short.
-    #[test]
-    fn a_fill_is_cut_on_the_way_past_it() {
+    /// A long pass, a fill at this height beside its middle, and what becomes of them.
+    fn with_fill_at(y: f64) -> ([Chain; 2], Vec<Chain>) {
         let cutter = plate();
         let fitting = FitOptions::for_scallop(0.02, R);
         let host = vec![pass(PassKind::Level, (5.0, 20.0), (35.0, 20.0), 61)];
-        let fill = vec![pass(PassKind::Fill, (18.0, 20.35), (20.0, 20.35), 5)];
-        let out = errands(
-            &cutter,
-            vec![host.clone(), fill.clone()],
-            &HOW,
-            &LINKS,
-            &fitting,
-        );
+        let fill = vec![pass(PassKind::Fill, (18.0, y), (20.0, y), 5)];
+        let both = [host, fill];
+        let out = errands(&cutter, both.to_vec(), &HOW, &LINKS, &fitting);
+        (both, out)
+    }
+
+    /// Everything that was cut is cut, the chain hangs together, and the way there and back is short.
+    #[test]
+    fn a_fill_is_cut_on_the_way_past_it() {
+        let ([host, fill], out) = with_fill_at(20.35);
         assert_eq!(out.len(), 1);
         let chain = &out[0];
         for w in chain.windows(2) {
@@ -448,17 +445,7 @@ mod tests {
 
     #[test]
     fn what_is_far_keeps_its_own_trip() {
-        let cutter = plate();
-        let fitting = FitOptions::for_scallop(0.02, R);
-        let host = vec![pass(PassKind::Level, (5.0, 20.0), (35.0, 20.0), 61)];
-        let fill = vec![pass(PassKind::Fill, (18.0, 30.0), (20.0, 30.0), 5)];
-        let out = errands(
-            &cutter,
-            vec![host.clone(), fill.clone()],
-            &HOW,
-            &LINKS,
-            &fitting,
-        );
-        assert_eq!(out, vec![host, fill]);
+        let (both, out) = with_fill_at(30.0);
+        assert_eq!(out, both);
     }
 }

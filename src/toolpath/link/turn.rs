@@ -20,6 +20,14 @@ pub struct Pose {
     pub heading: Vector2,
 }
 
+impl Pose {
+    /// At a place in plan, heading this way; `None` for no way.
+    pub fn new(at: Point2, way: Vector2) -> Option<Pose> {
+        let heading = way.try_normalize(0.0)?;
+        Some(Pose { at, heading })
+    }
+}
+
 /// Plan and tangent plane of a slope: lengths across it are the same in both, lengths along it are longer on the plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Slant {

@@ -76,29 +76,36 @@ const LADDER: usize = 4;
 /// A feature costs a way to where it begins: about half as long as it is wide.
 const WAY_THERE: f64 = 0.5;
 
-/// Persistences below which critical points may be passed over: none, and steps that each leave fewer of them, down to the last saddle. A feature that costs more to reach, and to end passes on, than it saves is none. A persistence that was asked for stands.
+/// Persistences below which critical points may be passed over. One that was asked for stands; a large part is laid once.
 fn ladder(bench: &Bench) -> Vec<f64> {
-    let mut all: Vec<f64> = bench
-        .ground
-        .critical
-        .iter()
-        .filter(|c| c.kind == CriticalKind::Saddle && c.persistence.is_finite())
+    let saddles: Vec<f64> = (bench.ground.critical.iter())
+        .filter(|c| c.kind == CriticalKind::Saddle)
         .map(|c| c.persistence)
         .collect();
-    if bench.options.persistence.is_some() || all.is_empty() || !bench.small() {
+    if bench.options.persistence.is_some() || !bench.small() {
         return vec![0.0];
     }
-    all.sort_by(f64::total_cmp);
+    rungs(saddles)
+}
+
+/// None, and steps that each leave fewer of the saddles, down to the last one: a feature that costs more to reach, and to end passes on,
+/// than it saves is none.
+fn rungs(mut saddles: Vec<f64>) -> Vec<f64> {
+    saddles.retain(|p| p.is_finite());
+    saddles.sort_by(f64::total_cmp);
     let mut out = vec![0.0];
+    // The strongest stays: without it there are no features, and the whole part as one is weighed by itself.
+    let Some((strongest, others)) = saddles.split_last() else {
+        return out;
+    };
     for k in 1..LADDER {
-        // The strongest stays: without it there are no features, and the whole part as one is weighed by itself.
-        let gone = (all.len() - 1) * k / (LADDER - 1);
-        let Some(last) = gone.checked_sub(1).and_then(|i| all.get(i)) else {
+        let gone = others.len() * k / (LADDER - 1);
+        let Some(last) = gone.checked_sub(1).and_then(|i| others.get(i)) else {
             continue;
         };
         // Just above it, so that it goes too.
         let above = last.next_up();
-        if out.last() != Some(&above) && all.last().is_some_and(|most| *most >= above) {
+        if out.last() != Some(&above) && *strongest >= above {
             out.push(above);
         }
     }
@@ -428,5 +435,27 @@ fn thinned(fine: &ToolCentreGrid, coarse: &ToolCentreGrid, every: usize, of: &Re
             })
             .collect(),
         label: (0..coarse.len()).map(|i| of.label[same(i)]).collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Each rung leaves fewer saddles than the one below it, the strongest always, and no more rungs than are weighed.
+    #[test]
+    fn each_rung_leaves_fewer_saddles_and_the_strongest_stays() {
+        assert_eq!(rungs(Vec::new()), [0.0]);
+        assert_eq!(rungs(vec![0.7]), [0.0]);
+        assert_eq!(rungs(vec![0.2, 0.2, 0.2]), [0.0]);
+        assert_eq!(rungs(vec![f64::INFINITY, 0.3, f64::NAN]), [0.0]);
+        for n in 2..30 {
+            let saddles: Vec<f64> = (1..=n).rev().map(|k| 0.1 * f64::from(k)).collect();
+            let left = |rung: &f64| saddles.iter().filter(|s| *s >= rung).count();
+            let out = rungs(saddles.clone());
+            assert!((2..=LADDER).contains(&out.len()), "{out:?}");
+            assert!(out.windows(2).all(|w| left(&w[1]) < left(&w[0])), "{out:?}");
+            assert_eq!(out.last().map(left), Some(1), "{out:?}");
+        }
     }
 }

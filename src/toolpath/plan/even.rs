@@ -189,3 +189,99 @@ fn mean(of: &[f32], nx: usize, ny: usize, reach: usize) -> Vec<f32> {
     });
     out
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::feature::{GrowOptions, Source, farthest, whole};
+    use crate::field::{Front, Ruler};
+    use crate::geom::{Point, Vector2};
+    use crate::part::Mesh;
+    use crate::reach::{DropCutter, GridOptions, GridPlan};
+
+    const WANTED: f64 = 0.02;
+
+    /// A plain of 30 mm as one feature, in passes from one side to the other.
+    fn plain() -> (ToolCentreGrid, Metric, Regions) {
+        let p = |x, y| Point::new(x, y, 0.0);
+        let (a, b, c, d) = (p(0.0, 0.0), p(30.0, 0.0), p(30.0, 30.0), p(0.0, 30.0));
+        let part = Mesh {
+            triangles: vec![[a, b, c], [a, c, d]],
+        };
+        let cutter = DropCutter::new(&part, 3.0);
+        let how = GridOptions {
+            step: 0.2,
+            memory_limit_bytes: 1 << 30,
+        };
+        let plan = GridPlan::new(&cutter, &how).unwrap();
+        let grid = ToolCentreGrid::new(&cutter, &plan).unwrap();
+        let metric = Metric::new(&grid, Ruler::IsoScallop, WANTED);
+        let source = Source {
+            name: "side".to_string(),
+            nodes: farthest(&grid, &Vector2::new(-1.0, 0.0))
+                .into_iter()
+                .collect(),
+            front: Front::Straight,
+        };
+        let how = GrowOptions {
+            ruler: Ruler::IsoScallop,
+            passes_min: 2.0,
+            margin: 5.0,
+            over_share: 0.0,
+            persistence: 0.0,
+        };
+        let regions = whole(&grid, &metric, &metric, &source, &how);
+        (grid, metric, regions)
+    }
+
+    /// The correction at a place, where this was measured at each.
+    fn corrected(cusp: impl Fn(f64, f64) -> f64, above: Option<Above>, at: (f64, f64)) -> f64 {
+        let (grid, metric, regions) = plain();
+        let cusps = (0..grid.len())
+            .map(|i| {
+                let q = grid.xy(i);
+                cusp(q.x, q.y) as f32
+            })
+            .collect();
+        let how = EvenOptions {
+            spaced_for: WANTED,
+            reach: 2,
+            bounds: [0.9, 1.25],
+            above,
+        };
+        let factor = correction(&grid, &metric, &regions, cusps, &how);
+        f64::from(factor[grid.nearest(at.0, at.1).unwrap()])
+    }
+
+    /// What came out a tenth too high is laid a tenth closer (in squares), what came out far too low no wider than the bounds, and a
+    /// corner says nothing.
+    #[test]
+    fn what_was_measured_is_the_correction() {
+        let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-3, "{a}, not {b}");
+        near(corrected(|_, _| 1.1 * WANTED, None, (15.0, 15.0)), 1.1);
+        near(corrected(|_, _| 0.5 * WANTED, None, (15.0, 15.0)), 0.9);
+        near(corrected(|_, _| 3.0 * WANTED, None, (15.0, 15.0)), 1.0);
+        near(corrected(|_, _| 0.0, None, (15.0, 15.0)), 1.0);
+    }
+
+    /// Where cusps differ from place to place passes come closer than their mean asks for; where they do not, they stay.
+    #[test]
+    fn rough_ground_gets_closer_passes_and_even_ground_does_not() {
+        let above = Above {
+            deviations: 2.5,
+            within: 10,
+        };
+        // Patches wider than what is told apart, one tenth higher and lower by turns, on one half of the plain.
+        let patchy = |x: f64, y: f64| {
+            let odd = ((x / 1.4).floor() + (y / 1.4).floor()).rem_euclid(2.0) > 0.5;
+            let by = if y > 15.0 && odd { 1.1 } else { 1.0 };
+            0.95 * by * WANTED
+        };
+        let rough = corrected(patchy, Some(above), (15.0, 22.0));
+        let even = corrected(patchy, Some(above), (15.0, 6.0));
+        let mean = corrected(patchy, None, (15.0, 22.0));
+        assert!((even - 0.95).abs() < 1e-3, "{even}");
+        assert!(rough > mean + 0.02 && rough <= 1.25, "{rough}, mean {mean}");
+    }
+}
