@@ -9,7 +9,7 @@
 //! Crosses the border: two runs of ball centres in, the places between out, proven free; work coordinates, mm.
 
 use super::bridge::{End, is_free};
-use super::turn::{Pose, Slant, turn};
+use super::turn::{Pose, Turn, turns};
 use crate::geom::{Point, Point2, Vector, Vector2};
 use crate::reach::{DropCutter, Hint};
 use crate::toolpath::ease::{cubic, smooth};
@@ -19,6 +19,10 @@ use crate::toolpath::fit::FitOptions;
 const FARTHEST: f64 = 15.0;
 /// How far the way is bowed out at most, in shares of the gap: tried from the first on, to one side and to the other.
 const BOWS: [f64; 5] = [0.0, 0.03, 0.08, 0.16, 0.3];
+/// ... and by no more than this, mm: next to the part stands what was roughed.
+const WIDEST: f64 = 2.0;
+/// It goes no further below the lower end than this, mm.
+const DIP: f64 = 0.02;
 /// The way turns by about so much from chord to chord, rad, and by no more than the second.
 const TURN: (f64, f64) = (0.15, 0.4);
 /// A curve that bends more tightly than this, mm, is a corner; ways with arcs are made of these.
@@ -59,11 +63,16 @@ pub(in crate::toolpath) fn onward(
         &mut ways[0],
     );
     ways.retain(|w| !tight(w));
-    ways.extend(RADII.iter().filter_map(|r| arcs(&from, &to, &along, *r)));
+    ways.extend(RADII.iter().flat_map(|r| arcs(&from, &to, &along, *r)));
+    // Below the lower of the two there may be a floor.
+    let lowest = from.at.z.min(to.at.z) - DIP;
+    ways.retain(|w| w.iter().all(|q| q.z >= lowest));
     let mut hint = Hint::default();
     let bowed = BOWS.iter().flat_map(|b| [*b, -*b]);
     bowed
-        .flat_map(|bow| ways.iter().map(move |w| (bow * far, w)))
+        .map(|bow| bow * far)
+        .filter(|bow| bow.abs() <= WIDEST)
+        .flat_map(|bow| ways.iter().map(move |w| (bow, w)))
         .find_map(|(bow, way)| {
             let out = aside(way, |t| side * (16.0 * bow * (t * (1.0 - t)).powi(2)));
             let free = smooth(&from.heading, &out, &to.heading, TURN.1)
@@ -82,37 +91,45 @@ fn aside(way: &[Point], by: impl Fn(f64) -> Vector) -> Vec<Point> {
         .collect()
 }
 
-/// Arcs and a straight in the upright plane along the way, and from one end's heading across it to the other's.
-fn arcs(from: &End, to: &End, along: &Vector2, radius: f64) -> Option<Vec<Point>> {
+/// Arcs and a straight in the upright plane along the way, and from one end's heading across it to the other's. None for ends that head
+/// across it.
+fn arcs(from: &End, to: &End, along: &Vector2, radius: f64) -> Vec<Vec<Point>> {
     let across = Vector2::new(-along.y, along.x);
     // Along the plane, up it, and off it.
     let split = |v: &Vector| (Vector2::new(v.xy().dot(along), v.z), v.xy().dot(&across));
     let gap = split(&(to.at - from.at));
     let pose = |at: Vector2, heading: &Vector| {
         let (on, off) = split(heading);
-        let length = on.norm();
-        let pose = Pose {
-            at: Point2::from(at),
-            heading: on.try_normalize(0.5)?,
-        };
-        Some((pose, off / length))
+        let steep = off / on.norm();
+        (on.norm() > 0.5).then_some((Pose::new(Point2::from(at), on)?, steep))
     };
-    let (start, leaves) = pose(Vector2::zeros(), &from.heading)?;
-    let (end, comes) = pose(gap.0, &to.heading)?;
-    let way = turn(&Slant::default(), &start, &end, radius);
-    let length = way.length;
-    let flat: Vec<Point> = way
-        .points(PIECE)
-        .iter()
-        .map(|q| from.at + Vector::new(along.x * q.x, along.y * q.x, q.y))
-        .collect();
-    let mut out = aside(&flat, |t| {
-        let s = 1.0 - t;
-        let off = length * t * s * (leaves * s - comes * t) + gap.1 * t * t * (3.0 - 2.0 * t);
-        Vector::new(across.x, across.y, 0.0) * off
-    });
-    *out.last_mut()? = to.at;
-    Some(out)
+    let (Some((start, leaves)), Some((end, comes))) = (
+        pose(Vector2::zeros(), &from.heading),
+        pose(gap.0, &to.heading),
+    ) else {
+        return Vec::new();
+    };
+    let lifted = |way: Turn| {
+        let flat: Vec<Point> = way
+            .points(PIECE)
+            .iter()
+            .map(|q| from.at + Vector::new(along.x * q.x, along.y * q.x, q.y))
+            .collect();
+        let mut out = aside(&flat, |t| {
+            let s = 1.0 - t;
+            let off =
+                way.length * t * s * (leaves * s - comes * t) + gap.1 * t * t * (3.0 - 2.0 * t);
+            Vector::new(across.x, across.y, 0.0) * off
+        });
+        if let Some(last) = out.last_mut() {
+            *last = to.at;
+        }
+        out
+    };
+    turns(&start, &end, radius)
+        .into_iter()
+        .map(lifted)
+        .collect()
 }
 
 /// Does a way bend as a corner does?
@@ -154,6 +171,22 @@ mod tests {
             .collect()
     }
 
+    /// What holds for every way: the ball keeps off the post, it does not turn sharply, and it dips no lower than its ends.
+    fn judge(cutter: &DropCutter, a: &[Point], way: &[Point], b: &[Point]) {
+        for w in way.windows(2) {
+            for k in 0..=20 {
+                let q = w[0] + (w[1] - w[0]) * (f64::from(k) / 20.0);
+                assert!(cutter.is_clear(&q, 0.002, &mut Hint::default()), "{q}");
+                assert!(q.z > way[0].z.min(way[way.len() - 1].z) - 0.03, "{q}");
+            }
+        }
+        let all: Vec<Point> = a.iter().chain(&way[1..]).chain(&b[1..]).copied().collect();
+        for w in all.windows(3) {
+            let turn = (w[1] - w[0]).angle(&(w[2] - w[1])).to_degrees();
+            assert!(turn < 26.0, "{turn} at {}", w[1]);
+        }
+    }
+
     /// From one run round a post on to the next, a little lower: a straight way would go through the post.
     #[test]
     fn on_round_a_post() {
@@ -161,23 +194,24 @@ mod tests {
         let fitting = FitOptions::for_scallop(0.02, R);
         let (a, b) = (round(0.0, 0.5, 8.0), round(0.65, 1.0, 7.6));
         let way = onward(&cutter, &a, &b, &fitting).unwrap();
-        let last = way.len() - 1;
-        assert_eq!((way[0], way[last]), (a[40], b[0]));
+        assert_eq!((way[0], way[way.len() - 1]), (a[40], b[0]));
         let length: f64 = way.windows(2).map(|w| (w[1] - w[0]).norm()).sum();
         assert!(length < 1.1 * (b[0] - a[40]).norm(), "{length}");
-        for w in way.windows(2) {
-            // The ball's side keeps off the post.
-            for k in 0..=20 {
-                let q = w[0] + (w[1] - w[0]) * (f64::from(k) / 20.0);
-                assert!(q.xy().coords.norm() > 8.0 + R - 0.001, "{q}");
+        judge(&cutter, &a, &way, &b);
+    }
+
+    /// Back to the start of the run before, above or below, and to one that runs the other way.
+    #[test]
+    fn to_what_lies_behind_it_turns_up_the_wall() {
+        let cutter = post();
+        let fitting = FitOptions::for_scallop(0.02, R);
+        for z in [8.7, 8.0, 7.3] {
+            for (from, to) in [(0.1, 0.5), (0.55, 0.1), (0.9, 0.6), (0.6, 0.9)] {
+                let (a, b) = (round(0.0, 0.5, 8.0), round(from, to, z));
+                let way = onward(&cutter, &a, &b, &fitting)
+                    .unwrap_or_else(|| panic!("no way to {from}..{to} at {z}"));
+                judge(&cutter, &a, &way, &b);
             }
         }
-        let all: Vec<Point> = a.iter().chain(&way[1..]).chain(&b[1..]).copied().collect();
-        for w in all.windows(3) {
-            let turn = (w[1] - w[0]).angle(&(w[2] - w[1])).to_degrees();
-            assert!(turn < 15.0, "{turn} at {}", w[1]);
-        }
-        // What lies behind is not reached so.
-        assert_eq!(onward(&cutter, &b, &a, &fitting), None);
     }
 }

@@ -90,6 +90,16 @@ enum Piece {
     Straight(f64),
 }
 
+use Piece::{Left, Right, Straight};
+
+impl Piece {
+    fn length(&self) -> f64 {
+        match self {
+            Left(v) | Right(v) | Straight(v) => *v,
+        }
+    }
+}
+
 /// A way between two poses.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Turn {
@@ -107,6 +117,34 @@ pub struct Turn {
 /// The shortest way of bending radius `radius` (above zero) from one pose to another, drawn on the plane of `slant`; poses are in plan.
 pub fn turn(slant: &Slant, from: &Pose, to: &Pose, radius: f64) -> Turn {
     let (from, to) = (&slant.pose(from), &slant.pose(to));
+    let mut best = [
+        Straight((to.at - from.at).norm() / radius),
+        Straight(0.0),
+        Straight(0.0),
+    ];
+    let mut least = f64::INFINITY;
+    // In units of the radius; ties keep the first.
+    words(from, to, radius, |w| {
+        let sum = w.iter().map(Piece::length).sum::<f64>();
+        if sum < least - 1e-12 {
+            (least, best) = (sum, w);
+        }
+    });
+    Turn::of(from, radius, best, slant)
+}
+
+/// Every such way of two arcs and a straight between them, or of three arcs, on the flat; shortest first.
+pub fn turns(from: &Pose, to: &Pose, radius: f64) -> Vec<Turn> {
+    let mut out = Vec::new();
+    words(from, to, radius, |w| {
+        out.push(Turn::of(from, radius, w, &Slant::default()));
+    });
+    out.sort_by(|a, b| a.length.total_cmp(&b.length));
+    out
+}
+
+/// The pieces of every way from one pose to another, in units of the radius.
+fn words(from: &Pose, to: &Pose, radius: f64, mut offer: impl FnMut([Piece; 3])) {
     let d = (to.at - from.at) / radius;
     let along = angle(&d);
     let dist = d.norm();
@@ -114,80 +152,67 @@ pub fn turn(slant: &Slant, from: &Pose, to: &Pose, radius: f64) -> Turn {
     let b = wrap(angle(&to.heading) - along);
     let (sa, ca, sb, cb) = (a.sin(), a.cos(), b.sin(), b.cos());
     let cab = (a - b).cos();
-    let mut best: Option<[Piece; 3]> = None;
-    let mut least = f64::INFINITY;
-    // In units of the radius; ties keep the first.
-    let mut offer = |t: f64, p: f64, q: f64, pieces: [Piece; 3]| {
-        let sum = t + p + q;
-        if sum < least - 1e-12 {
-            least = sum;
-            best = Some(pieces);
-        }
-    };
-    use Piece::{Left, Right, Straight};
     let p2 = 2.0 + dist * dist - 2.0 * cab + 2.0 * dist * (sa - sb);
     if p2 >= 0.0 {
         let g = (cb - ca).atan2(dist + sa - sb);
         let (t, p, q) = (wrap(g - a), p2.sqrt(), wrap(b - g));
-        offer(t, p, q, [Left(t), Straight(p), Left(q)]);
+        offer([Left(t), Straight(p), Left(q)]);
     }
     let p2 = 2.0 + dist * dist - 2.0 * cab + 2.0 * dist * (sb - sa);
     if p2 >= 0.0 {
         let g = (ca - cb).atan2(dist - sa + sb);
         let (t, p, q) = (wrap(a - g), p2.sqrt(), wrap(g - b));
-        offer(t, p, q, [Right(t), Straight(p), Right(q)]);
+        offer([Right(t), Straight(p), Right(q)]);
     }
     let p2 = -2.0 + dist * dist + 2.0 * cab + 2.0 * dist * (sa + sb);
     if p2 >= 0.0 {
         let p = p2.sqrt();
         let g = (-ca - cb).atan2(dist + sa + sb) - (-2.0f64).atan2(p);
         let (t, q) = (wrap(g - a), wrap(g - b));
-        offer(t, p, q, [Left(t), Straight(p), Right(q)]);
+        offer([Left(t), Straight(p), Right(q)]);
     }
     let p2 = -2.0 + dist * dist + 2.0 * cab - 2.0 * dist * (sa + sb);
     if p2 >= 0.0 {
         let p = p2.sqrt();
         let g = (ca + cb).atan2(dist - sa - sb) - 2.0f64.atan2(p);
         let (t, q) = (wrap(a - g), wrap(b - g));
-        offer(t, p, q, [Right(t), Straight(p), Left(q)]);
+        offer([Right(t), Straight(p), Left(q)]);
     }
     let c = (6.0 - dist * dist + 2.0 * cab + 2.0 * dist * (sa - sb)) / 8.0;
     if c.abs() <= 1.0 {
         let p = wrap(TAU - c.acos());
         let t = wrap(a - (ca - cb).atan2(dist - sa + sb) + p / 2.0);
         let q = wrap(a - b - t + p);
-        offer(t, p, q, [Right(t), Left(p), Right(q)]);
+        offer([Right(t), Left(p), Right(q)]);
     }
     let c = (6.0 - dist * dist + 2.0 * cab + 2.0 * dist * (sb - sa)) / 8.0;
     if c.abs() <= 1.0 {
         let p = wrap(TAU - c.acos());
         let t = wrap(-a + (cb - ca).atan2(dist + sa - sb) + p / 2.0);
         let q = wrap(b - a - t + p);
-        offer(t, p, q, [Left(t), Right(p), Left(q)]);
-    }
-    let pieces = best.unwrap_or([Straight(dist), Straight(0.0), Straight(0.0)]);
-    let mut length = 0.0;
-    let mut curved = 0.0;
-    for p in pieces {
-        match p {
-            Left(v) | Right(v) => {
-                length += v * radius;
-                curved += v * radius;
-            }
-            Straight(v) => length += v * radius,
-        }
-    }
-    Turn {
-        from: *from,
-        radius,
-        pieces,
-        slant: *slant,
-        length,
-        curved,
+        offer([Left(t), Right(p), Left(q)]);
     }
 }
 
 impl Turn {
+    fn of(from: &Pose, radius: f64, pieces: [Piece; 3], slant: &Slant) -> Turn {
+        let (mut length, mut curved) = (0.0, 0.0);
+        for p in pieces {
+            length += p.length() * radius;
+            if !matches!(p, Straight(_)) {
+                curved += p.length() * radius;
+            }
+        }
+        Turn {
+            from: *from,
+            radius,
+            pieces,
+            slant: *slant,
+            length,
+            curved,
+        }
+    }
+
     /// Points along it in plan, no further than `gap` mm apart and turning no more than a tenth of a radian from one to the next (on the
     /// plane it is drawn on); both ends among them.
     pub fn points(&self, gap: f64) -> Vec<Point2> {
@@ -203,19 +228,15 @@ impl Turn {
         let r = self.radius;
         for piece in self.pieces {
             match piece {
-                Piece::Straight(v) => {
+                Straight(v) => {
                     let l = v * r;
                     let n = (l / gap).ceil() as usize;
                     let u = Vector2::new(heading.cos(), heading.sin());
                     out.extend((1..=n).map(|k| at + u * (l * k as f64 / n as f64)));
                     at += u * l;
                 }
-                Piece::Left(v) | Piece::Right(v) => {
-                    let side = if matches!(piece, Piece::Left(_)) {
-                        1.0
-                    } else {
-                        -1.0
-                    };
+                Left(v) | Right(v) => {
+                    let side = if matches!(piece, Left(_)) { 1.0 } else { -1.0 };
                     let n = ((v * r / gap).max(v / 0.1)).ceil() as usize;
                     let center = at + Vector2::new(-heading.sin(), heading.cos()) * (side * r);
                     let place = |h: f64| center + Vector2::new(h.sin(), -h.cos()) * (side * r);
@@ -249,9 +270,9 @@ impl Turn {
             (at, heading) = self.after(piece, at, heading);
         }
         let back = |p: Piece| match p {
-            Piece::Left(v) => Piece::Right(v),
-            Piece::Right(v) => Piece::Left(v),
-            Piece::Straight(v) => Piece::Straight(v),
+            Left(v) => Right(v),
+            Right(v) => Left(v),
+            Straight(v) => Straight(v),
         };
         Turn {
             from: Pose {
@@ -270,14 +291,14 @@ impl Turn {
     fn after(&self, piece: Piece, at: Point2, heading: f64) -> (Point2, f64) {
         let r = self.radius;
         let (v, side) = match piece {
-            Piece::Straight(v) => {
+            Straight(v) => {
                 return (
                     at + Vector2::new(heading.cos(), heading.sin()) * (v * r),
                     heading,
                 );
             }
-            Piece::Left(v) => (v, 1.0),
-            Piece::Right(v) => (v, -1.0),
+            Left(v) => (v, 1.0),
+            Right(v) => (v, -1.0),
         };
         let center = at + Vector2::new(-heading.sin(), heading.cos()) * (side * r);
         let h = heading + side * v;
