@@ -66,7 +66,7 @@ pub(in crate::toolpath) fn onward(
     ways.extend(RADII.iter().flat_map(|r| arcs(&from, &to, &along, *r)));
     // Below the lower of the two there may be a floor.
     let lowest = from.at.z.min(to.at.z) - DIP;
-    ways.retain(|w| w.iter().all(|q| q.z >= lowest));
+    ways.retain(|w| w.len() > 1 && w.iter().all(|q| q.z >= lowest));
     let mut hint = Hint::default();
     let bowed = BOWS.iter().flat_map(|b| [*b, -*b]);
     bowed
