@@ -119,7 +119,7 @@ pub(in crate::toolpath) fn lay(
             break;
         }
         let next = lay_at(bench, layout, fields, (share, persistence), stage);
-        if next.cost() >= best.cost() {
+        if next.figures.cost() >= best.figures.cost() {
             break;
         }
         best = next;

@@ -172,15 +172,8 @@ pub struct Plan {
 
 /// A job should spend no more than this share of its time not cutting.
 const NOT_CUTTING: f64 = 0.05;
-
-impl Plan {
-    /// What plans are compared by, s: the time, and once more what of it goes into links and air beyond a twentieth of it. Each link is a
-    /// place where the finish may show it.
-    pub fn cost(&self) -> f64 {
-        let f = &self.figures;
-        f.time_s + (f.link_s + f.air_s - NOT_CUTTING * f.time_s).max(0.0)
-    }
-}
+/// A plan that keeps to it may take this much longer than one that does not.
+const KEPT: f64 = 0.015;
 
 /// What a toolpath takes on the machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -206,6 +199,16 @@ pub struct Figures {
 }
 
 impl Figures {
+    /// What plans are compared by, s: the time, and once more what of it goes into links and air beyond a twentieth of it. Each link is a
+    /// place where the finish may show it.
+    pub fn cost(&self) -> f64 {
+        self.time_s + (self.not_cutting() - NOT_CUTTING * self.time_s).max(0.0)
+    }
+
+    fn not_cutting(&self) -> f64 {
+        self.link_s + self.air_s
+    }
+
     /// With its turns judged by the part.
     pub fn with_turns(self, t: &SharpTurns) -> Figures {
         Figures {
@@ -371,6 +374,21 @@ const ALIKE: f64 = 0.02;
 /// Ways of merging features that are laid where features are all that is asked for.
 const MERGED: usize = 2;
 
+/// The plan to run: of least cost; where it spends too much of its time not cutting, the quickest of those that do not, if that takes
+/// hardly longer. Ties go to the first.
+fn best(plans: &[Figures]) -> usize {
+    let least = |of: &mut dyn Iterator<Item = usize>, cost: &dyn Fn(usize) -> f64| {
+        of.reduce(|a, b| if cost(b) < cost(a) { b } else { a })
+    };
+    let kept = |k: usize| plans[k].not_cutting() <= NOT_CUTTING * plans[k].time_s;
+    let best = least(&mut (0..plans.len()), &|k| plans[k].cost()).unwrap_or(0);
+    let mut others = (0..plans.len())
+        .filter(|&k| kept(k) && plans[k].time_s <= (1.0 + KEPT) * plans[best].time_s);
+    least(&mut others, &|k| plans[k].time_s)
+        .filter(|_| !kept(best))
+        .unwrap_or(best)
+}
+
 /// The choice of least time, the first on a tie.
 fn quickest(choices: Vec<Choice>) -> Choice {
     choices
@@ -493,16 +511,8 @@ pub fn plan<'g>(
         }
     }
     let mut candidates: Vec<Candidate> = plans.iter().flat_map(|p| p.candidates.clone()).collect();
-    // Ties go to the first.
-    let best = (0..plans.len())
-        .reduce(|a, b| {
-            if plans[b].cost() < plans[a].cost() {
-                b
-            } else {
-                a
-            }
-        })
-        .unwrap_or(0);
+    let figures: Vec<Figures> = plans.iter().map(|p| p.figures).collect();
+    let best = best(&figures);
     for (k, c) in candidates.iter_mut().enumerate() {
         c.chosen = k == best;
     }
@@ -525,4 +535,27 @@ pub fn plan<'g>(
         NEAR_SADDLE * stepover,
     );
     (chosen, reach)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_plan_that_hardly_stops_cutting_is_worth_a_little_time() {
+        let plan = |time_s: f64, share: f64| Figures {
+            time_s,
+            link_s: share * time_s,
+            ..Figures::default()
+        };
+        // Seconds beyond a twentieth count twice.
+        assert_eq!(best(&[plan(100.0, 0.12), plan(106.0, 0.02)]), 1);
+        assert_eq!(best(&[plan(100.0, 0.12), plan(108.0, 0.02)]), 0);
+        // A hair beyond it, and one that keeps to it takes 1 % longer, or 2 %.
+        assert_eq!(best(&[plan(100.0, 0.051), plan(101.0, 0.049)]), 1);
+        assert_eq!(best(&[plan(100.0, 0.051), plan(102.0, 0.049)]), 0);
+        assert_eq!(best(&[plan(100.0, 0.05), plan(101.0, 0.0)]), 0);
+        assert_eq!(best(&[plan(100.0, 0.3), plan(100.0, 0.3)]), 0);
+        assert_eq!(best(&[]), 0);
+    }
 }
