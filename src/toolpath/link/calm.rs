@@ -156,22 +156,10 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
     use crate::geom::Point;
+    use crate::toolpath::link::tests::SOME;
 
     fn options(vertical: f64) -> LinkOptions {
-        LinkOptions {
-            feed: 25.0,
-            plunge: 8.0,
-            rapid_xy: 60.0,
-            rapid_z: 40.0,
-            acceleration: 500.0,
-            allowance: 0.5,
-            clearance: 0.5,
-            block_center_z: f64::NEG_INFINITY,
-            safe_center_z: 10.0,
-            retract_center_z: f64::NEG_INFINITY,
-            retract_worth: 2.0,
-            vertical,
-        }
+        LinkOptions { vertical, ..SOME }
     }
 
     /// A level pass, half a circle of radius 0.5 mm across a slope (height = slope * y), and a level pass back.

@@ -364,6 +364,7 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
     use crate::part::Mesh;
+    use crate::toolpath::link::tests::SOME;
 
     const R: f64 = 3.0;
 
@@ -391,20 +392,6 @@ mod tests {
         }
     }
 
-    const LINKS: LinkOptions = LinkOptions {
-        feed: 25.0,
-        plunge: 8.0,
-        rapid_xy: 60.0,
-        rapid_z: 40.0,
-        acceleration: 500.0,
-        allowance: 0.5,
-        clearance: 0.5,
-        block_center_z: f64::NEG_INFINITY,
-        safe_center_z: 10.0,
-        retract_center_z: f64::NEG_INFINITY,
-        vertical: f64::INFINITY,
-        retract_worth: 2.0,
-    };
     const HOW: ErrandOptions = ErrandOptions {
         longest: 5.0,
         reach: 4.0,
@@ -417,7 +404,7 @@ mod tests {
         let host = vec![pass(PassKind::Level, (5.0, 20.0), (35.0, 20.0), 61)];
         let fill = vec![pass(PassKind::Fill, (18.0, y), (20.0, y), 5)];
         let both = [host, fill];
-        let out = errands(&cutter, both.to_vec(), &HOW, &LINKS, &fitting);
+        let out = errands(&cutter, both.to_vec(), &HOW, &SOME, &fitting);
         (both, out)
     }
 

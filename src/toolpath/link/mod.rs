@@ -340,3 +340,24 @@ fn between(
     }
     Link::Down(points[1..].to_vec())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Those of some small mill.
+    pub const SOME: LinkOptions = LinkOptions {
+        feed: 25.0,
+        plunge: 8.0,
+        rapid_xy: 60.0,
+        rapid_z: 40.0,
+        acceleration: 500.0,
+        allowance: 0.5,
+        clearance: 0.5,
+        block_center_z: f64::NEG_INFINITY,
+        safe_center_z: 10.0,
+        retract_center_z: f64::NEG_INFINITY,
+        vertical: f64::INFINITY,
+        retract_worth: 2.0,
+    };
+}
