@@ -47,13 +47,6 @@ impl DropCutter {
         out
     }
 
-    /// How deep the ball is in the part, mm: by how much the nearest triangle is nearer than its radius; below zero it is clear. It does
-    /// not tell a ball above the part from one deeper inside than it is thick. One look at every triangle below the ball.
-    pub fn depth(&self, center: &Point) -> f64 {
-        self.nearest(center)
-            .map_or(f64::NEG_INFINITY, |away| self.radius() - away.norm())
-    }
-
     /// From the nearest place of the part within the ball's radius to the ball's centre.
     fn nearest(&self, center: &Point) -> Option<Vector> {
         let r = self.radius();
@@ -172,12 +165,10 @@ mod tests {
         ];
         let cutter = DropCutter::new(&Mesh { triangles }, 3.0);
         let low = Point::new(0.5, 0.2, 3.9);
-        assert!((cutter.depth(&low) - 0.1).abs() < 1e-12);
         let out = cutter.pushed_out(&low, 0.2).unwrap();
         assert!((4.0..4.001).contains(&out.z) && (out.xy() - low.xy()).norm() < 1e-9);
         assert_eq!(cutter.pushed_out(&low, 0.05), None);
         let clear = Point::new(0.0, 0.0, 5.0);
-        assert!(cutter.depth(&clear) < 0.0);
         assert_eq!(cutter.pushed_out(&clear, 0.1), Some(clear));
     }
 }

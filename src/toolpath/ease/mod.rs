@@ -379,7 +379,7 @@ mod tests {
         for w in after.moves.windows(2) {
             for k in 0..=20 {
                 let q = w[0].to + (w[1].to - w[0].to) * (f64::from(k) / 20.0) + up;
-                assert!(cutter.depth(&q) < 0.002, "{q}");
+                assert!(cutter.is_clear(&q, 0.002, &mut Hint::default()), "{q}");
             }
         }
         after
