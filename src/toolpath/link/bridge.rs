@@ -66,8 +66,8 @@ const PROBE: f64 = 0.025;
 const TOUCH: f64 = 0.001;
 /// Rounds of lifting what the proof found too low.
 const ROUNDS: usize = 4;
-/// Longest bridge, mm.
-const LONGEST: f64 = 60.0;
+/// Longest bridge, ball radii.
+const LONGEST: f64 = 20.0;
 /// A link along the surface this much longer than its way in plan is compared with a bridge.
 const DETOUR: f64 = 1.25;
 
@@ -265,7 +265,7 @@ pub fn bridge(cutter: &DropCutter, way: &[Point2], from: &End, to: &End) -> Opti
         along.push(along[along.len() - 1] + (w[1] - w[0]).norm());
     }
     let long = along[n - 1];
-    if long > LONGEST || from.slope().abs() > STEEPEST || to.slope().abs() > STEEPEST {
+    if long > LONGEST * cutter.radius() || from.slope().abs() > STEEPEST || to.slope().abs() > STEEPEST {
         return None;
     }
     let mut hint = Hint::default();
