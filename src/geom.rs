@@ -11,6 +11,29 @@ pub type Point2 = nalgebra::Point2<f64>;
 /// A displacement in the plane of the machine's table, mm.
 pub type Vector2 = nalgebra::Vector2<f64>;
 
+/// The plane of an arc, with its normal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Plane {
+    /// G17, normal Z.
+    Xy,
+    /// G18, normal Y.
+    Zx,
+    /// G19, normal X.
+    Yz,
+}
+
+impl Plane {
+    /// The plane's first and second axis and its normal, as indices of X, Y, Z: a counter-clockwise turn goes from the first to
+    /// the second.
+    pub fn axes(self) -> [usize; 3] {
+        match self {
+            Plane::Xy => [0, 1, 2],
+            Plane::Zx => [2, 0, 1],
+            Plane::Yz => [1, 2, 0],
+        }
+    }
+}
+
 /// The table-plane part of a place.
 #[inline]
 pub fn xy(p: &Point) -> Point2 {

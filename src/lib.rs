@@ -30,6 +30,7 @@
 //!
 //! `cli` knows all of them, and is the only place that prints, asks or names files.
 
+pub mod cldata;
 pub mod cli;
 pub mod controller;
 pub mod feature;

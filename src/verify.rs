@@ -6,12 +6,13 @@
 //! The program is read from a machine left in the worst modes (G91, G93, the other units, another plane and work offset, G1 at a
 //! crawl, standing somewhere else), so what it does not set itself shows as a difference.
 
+use crate::cldata::{Coolant, Job};
 use crate::gcode::{
     Arc, Dialect, Distance, Event, FeedMode, Motion, MotionKind, MotionMode, PathMode, Plane,
     State, interpret_from,
 };
 use crate::geom::Point;
-use crate::post::{Coolant, Job, Post, Posted};
+use crate::post::{Post, Posted};
 use crate::toolpath::{MoveKind, Toolpath, Turn};
 use crate::units::{Mm, MmPerMin, Rpm, Seconds};
 use std::f64::consts::PI;

@@ -2,30 +2,18 @@
 //!
 //! Crosses the border: points and words in mm, work coordinates; an [`Arc`] or a [`Complaint`] out.
 
+use super::dialect::Dialect;
 use super::error::Complaint;
 use super::event::{Arc, Plane};
-use super::state::Dialect;
 use crate::geom::Point;
 use std::f64::consts::TAU;
 
-impl Plane {
-    /// The plane's first and second axis and its normal, as indices of X, Y, Z: a counter-clockwise turn goes from the first to
-    /// the second.
-    pub fn axes(self) -> [usize; 3] {
-        match self {
-            Plane::Xy => [0, 1, 2],
-            Plane::Zx => [2, 0, 1],
-            Plane::Yz => [1, 2, 0],
-        }
-    }
-
-    /// The plane's axis letters and its offset words, for messages.
-    pub(super) fn names(self) -> (&'static str, &'static str) {
-        match self {
-            Plane::Xy => ("X Y", "I or J"),
-            Plane::Zx => ("X Z", "I or K"),
-            Plane::Yz => ("Y Z", "J or K"),
-        }
+/// A plane's axis letters and its offset words, for messages.
+pub(super) fn names(plane: Plane) -> (&'static str, &'static str) {
+    match plane {
+        Plane::Xy => ("X Y", "I or J"),
+        Plane::Zx => ("X Z", "I or K"),
+        Plane::Yz => ("Y Z", "J or K"),
     }
 }
 
@@ -71,9 +59,7 @@ pub(super) fn by_center(
     // Small misses come from rounding in the post and are spread along the arc; large ones mean that the program is wrong.
     let bad = match dialect {
         Dialect::Grbl => differ > 0.5 || (differ > 0.005 && differ > 0.001 * start),
-        Dialect::LinuxCnc => {
-            differ > 0.127 || (differ > 0.00127 && differ > 0.001 * start.max(end))
-        }
+        _ => differ > 0.127 || (differ > 0.00127 && differ > 0.001 * start.max(end)),
     };
     if bad {
         return Err(Complaint::ArcRadiiDiffer { start, end });

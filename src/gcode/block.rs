@@ -7,9 +7,10 @@
 //! The order of complaints is the firmware's: word by word, first hit wins.
 
 use super::codes::{AxisUser, Coolant, GROUPS, Group, Letters, NonModal, Path, Stop, ToolLength};
+use super::dialect::Dialect;
 use super::error::{Code, Complaint, Fault};
 use super::event::Plane;
-use super::state::{Dialect, Distance, FeedMode, MotionMode, Probe, Units};
+use super::state::{Distance, FeedMode, MotionMode, Probe, Units};
 use super::word::{Word, Words, check_comments, significant};
 
 /// Most characters of a line that the controller reads: GRBL without blanks and comments, LinuxCNC with them.
@@ -20,7 +21,7 @@ const LINUXCNC_LINE: usize = 255;
 fn tool_limit(dialect: Dialect) -> u32 {
     match dialect {
         Dialect::Grbl => 255,
-        Dialect::LinuxCnc => 99_999,
+        _ => 99_999,
     }
 }
 
@@ -385,7 +386,7 @@ impl Block {
     fn letter(&mut self, word: &Word, dialect: Dialect) -> Result<(), Fault> {
         let (known, positive) = match dialect {
             Dialect::Grbl => (GRBL_WORDS, GRBL_POSITIVE),
-            Dialect::LinuxCnc => (LINUXCNC_WORDS, LINUXCNC_POSITIVE),
+            _ => (LINUXCNC_WORDS, LINUXCNC_POSITIVE),
         };
         let letter = char::from(word.letter);
         let fault = |complaint| Err(Fault::at(word.start, complaint));

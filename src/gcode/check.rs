@@ -6,9 +6,10 @@
 use super::arc;
 use super::block::{AXES, Block};
 use super::codes::{AxisUser, Group, Letters, NonModal, Path, ToolLength};
+use super::dialect::Dialect;
 use super::error::{Complaint, Fault};
 use super::event::{Arc, MotionKind, Plane};
-use super::state::{Dialect, Distance, FeedMode, MotionMode, Probe, State, Units};
+use super::state::{Distance, FeedMode, MotionMode, Probe, State, Units};
 use crate::geom::{Point, Vector};
 use crate::units::{MmPerMin, Rpm, Seconds};
 
@@ -285,7 +286,7 @@ pub(super) fn check(state: &State, block: &Block, line: Line) -> Result<Plan, Fa
             (Some(t), _) => t as u32,
             // GRBL forgets the tool with the next block that has no T.
             (None, Dialect::Grbl) => 0,
-            (None, Dialect::LinuxCnc) => state.tool,
+            (None, _) => state.tool,
         },
         dwell,
         plane,
@@ -437,7 +438,7 @@ fn motion_of(course: Course) -> Result<Move, Fault> {
         MotionMode::ArcClockwise | MotionMode::ArcCounterclockwise => {
             let clockwise = motion == MotionMode::ArcClockwise;
             let linuxcnc = state.dialect == Dialect::LinuxCnc;
-            let (axis_names, words) = plane.names();
+            let (axis_names, words) = arc::names(plane);
             let [a, b, _] = plane.axes();
             let in_plane = |first: u8| block.has(first + a as u8) || block.has(first + b as u8);
             // LinuxCNC takes a full circle without an end point.

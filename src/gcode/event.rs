@@ -1,18 +1,8 @@
 //! What a program tells the machine, in order: absolute, mm, mm/min, s. Only `gcode` makes motions.
 
+pub use crate::geom::Plane;
 use crate::geom::Point;
 use crate::units::{MmPerMin, Rpm, Seconds};
-
-/// The plane of an arc.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Plane {
-    /// G17.
-    Xy,
-    /// G18.
-    Zx,
-    /// G19.
-    Yz,
-}
 
 /// Rapid or feed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

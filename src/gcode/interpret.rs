@@ -6,10 +6,11 @@
 
 use super::block::{self, Block};
 use super::check::{self, Line, Move, Plan};
+use super::dialect::Dialect;
 use super::error::{Complaint, Fault, InterpretError};
 use super::event::{Event, Motion, MotionKind};
 use super::execute::execute;
-use super::state::{Dialect, State};
+use super::state::State;
 
 /// A whole program, understood.
 #[derive(Clone, Debug, PartialEq)]

@@ -23,16 +23,22 @@ mod arc;
 mod block;
 mod check;
 mod codes;
+pub mod dialect;
 pub mod error;
 pub mod event;
 mod execute;
+mod flow;
+mod heidenhain;
 pub mod interpret;
+mod siemens;
+pub mod source;
 pub mod state;
 mod word;
 
+pub use dialect::Dialect;
 pub use error::{Code, Complaint, InterpretError};
 pub use event::{Arc, Event, Motion, MotionKind, Plane};
 pub use interpret::{
     MAX_ERRORS, Program, interpret, interpret_from, interpret_jog, interpret_line, lines,
 };
-pub use state::{Dialect, Distance, FeedMode, MotionMode, PathMode, Probe, State, Units};
+pub use state::{Distance, FeedMode, MotionMode, PathMode, Probe, State, Units};

@@ -8,18 +8,10 @@
 //!
 //! All in mm. Changing an offset moves nothing: the machine position stays and the work position changes.
 
+use super::dialect::Dialect;
 use super::event::Plane;
 use crate::geom::{Point, Vector};
 use crate::units::{MmPerMin, Rpm};
-
-/// Which controller reads the program: decides which codes exist and how strictly they are taken. G4 P is in seconds in both.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Dialect {
-    /// GRBL 1.1 as shipped (no M7, no line-number reports).
-    Grbl,
-    /// A LinuxCNC mill without variables, expressions, O-words and canned cycles.
-    LinuxCnc,
-}
 
 /// What a line of axis words does (modal group 1).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -163,7 +155,7 @@ impl State {
             units: Units::Mm,
             path: match dialect {
                 Dialect::Grbl => PathMode::ExactPath,
-                Dialect::LinuxCnc => PathMode::Blend { tolerance: None },
+                _ => PathMode::Blend { tolerance: None },
             },
             work_offset: 0,
             spindle: 0,

@@ -4,8 +4,8 @@
 //! may stand anywhere, even inside a number; a comment counts as a blank: `( ... )` ends at the first `)`, `;` runs to the end
 //! of the line. Numbers are a sign, digits and one dot, nothing else: `1e3` is 1 and a word `E3`, never a thousand.
 
+use super::dialect::Dialect;
 use super::error::{Complaint, Fault};
-use super::state::Dialect;
 use nom::bytes::complete::{take_till, take_while};
 use nom::{IResult, Parser};
 
@@ -44,7 +44,7 @@ const POW10: [f64; 23] = [
 fn digits_read(dialect: Dialect) -> u32 {
     match dialect {
         Dialect::Grbl => 8,
-        Dialect::LinuxCnc => 18,
+        _ => 18,
     }
 }
 

@@ -11,4 +11,4 @@ pub mod template;
 pub mod write;
 
 pub use definition::{BUILT_IN, Post, Units};
-pub use write::{Coolant, Job, PostError, Posted, write};
+pub use write::{PostError, Posted, write};

@@ -12,43 +12,10 @@
 use super::definition::Post;
 use super::number;
 use super::template::{Piece, Slot, Template};
+use crate::cldata::{Coolant, Job};
 use crate::geom::{Point, Point2};
 use crate::toolpath::{MoveKind, Toolpath, Turn};
-use crate::units::{Mm, MmPerMin, Rpm, Seconds};
-
-/// Coolant during the job.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Coolant {
-    /// None.
-    #[default]
-    Off,
-    /// M8.
-    Flood,
-    /// M7.
-    Mist,
-}
-
-/// What a program needs beyond its moves.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Job {
-    /// Comment lines for the top of the program: part, tool, stock assumption, tolerances, error budget. Any text: it is made
-    /// harmless for the dialect and split where it is too long.
-    pub header: Vec<String>,
-    /// Feed of [`MoveKind::Cut`] and [`MoveKind::Link`] that have no lower one of their own; above zero.
-    pub feed: MmPerMin,
-    /// Feed of [`MoveKind::Plunge`]; above zero.
-    pub plunge: MmPerMin,
-    /// Spindle speed. Zero leaves the spindle to the operator: no spindle words but the final M5.
-    pub speed: Rpm,
-    /// Tool number, where the dialect has tools.
-    pub tool_number: u32,
-    /// Time to wait for the spindle to reach its speed; zero for none.
-    pub spin_up: Seconds,
-    /// Coolant.
-    pub coolant: Coolant,
-    /// How far the controller may leave the path when it blends segments; `None` for the dialect's own figure.
-    pub path_tolerance: Option<Mm>,
-}
+use crate::units::MmPerMin;
 
 /// A program.
 #[derive(Clone, Debug, PartialEq)]

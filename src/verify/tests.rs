@@ -2,10 +2,11 @@
 #![allow(clippy::unwrap_used)]
 
 use super::{Deviation, VerifyError, verify};
+use crate::cldata::{Coolant, Job};
 use crate::gcode::{Event, interpret};
 use crate::geom::Point;
 use crate::geom::Point2;
-use crate::post::{BUILT_IN, Coolant, Job, Post, Posted, Units, write};
+use crate::post::{BUILT_IN, Post, Posted, Units, write};
 use crate::toolpath::curve::Curve;
 use crate::toolpath::{Move, MoveKind, Section, Toolpath, Turn};
 use crate::units::{MmPerMin, Rpm, Seconds};

@@ -3,12 +3,13 @@
 
 use super::common::{PARTS, Shelf, Shipped};
 use super::morse::options;
+use morsemill::cldata::{Coolant, Job};
 use morsemill::gcode::{Event, MotionKind, interpret};
 use morsemill::geom::Point;
 use morsemill::kinematics::Settings;
 use morsemill::machine::Machine;
 use morsemill::part::Mesh;
-use morsemill::post::{Coolant, Job, Post, Posted, write};
+use morsemill::post::{Post, Posted, write};
 use morsemill::reach::DropCutter;
 use morsemill::simulate::{DryRun, DryRunOptions, PartContext, Stock, dry_run};
 use morsemill::toolpath::plan::{Plan, Strategy, plan, survey};

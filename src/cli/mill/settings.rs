@@ -1,12 +1,13 @@
 //! The settings of a job, checked: the machine, the post, what to plan, how to link, what the program's head says.
 
 use super::args::{MillArgs, StockArg};
+use crate::cldata::{Coolant, Job};
 use crate::cli::Failure;
 use crate::cli::args::above_zero;
 use crate::cli::output::say;
 use crate::machine::Machine;
 use crate::part::Placement;
-use crate::post::{Coolant, Job, Post};
+use crate::post::Post;
 use crate::toolpath::plan::Plan;
 use crate::toolpath::{FILL_START, Ground, LinkOptions, PlanOptions, RETRACT_WORTH};
 use crate::units::{MmPerMin, Rpm, Seconds};

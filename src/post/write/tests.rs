@@ -1,8 +1,9 @@
 //! Programs written, and judged by eye, by rule and against a hand-made record.
 #![allow(clippy::unwrap_used)]
 
-use super::super::{Job, Post, PostError, Units, write};
+use super::super::{Post, PostError, Units, write};
 use super::Coolant;
+use crate::cldata::Job;
 use crate::geom::Point;
 use crate::geom::Point2;
 use crate::toolpath::{Move, MoveKind, Section, Toolpath, Turn};
