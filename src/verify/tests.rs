@@ -144,7 +144,11 @@ fn catches_every_lie() {
         ),
         (" G90", "", "where a Rapid to Z5 was meant"),
         ("G21 ", "", "where a Rapid to Z5 was meant"),
-        (" G94", "", "line 12:1 this move has no feed rate"),
+        (
+            " G94",
+            "",
+            "a Feed to X1 Y2 Z-1 in 1/500 min where a Feed to X1 Y2 Z-1 at 500 mm/min was meant",
+        ),
         (
             "X1 Y2",
             "X1 Y2 $",
