@@ -49,6 +49,7 @@ pub mod simulate;
 pub mod sweep;
 pub mod tool;
 pub mod toolpath;
+pub mod translate;
 pub mod units;
 pub mod verify;
 pub mod weigh;

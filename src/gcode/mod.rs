@@ -30,6 +30,7 @@ mod execute;
 mod flow;
 mod heidenhain;
 pub mod interpret;
+pub mod said;
 mod siemens;
 pub mod source;
 pub mod state;
@@ -41,4 +42,5 @@ pub use event::{Arc, Event, Motion, MotionKind, Plane};
 pub use interpret::{
     MAX_ERRORS, Program, interpret, interpret_from, interpret_jog, interpret_line, lines,
 };
+pub use said::{Said, Spoken};
 pub use state::{Distance, FeedMode, MotionMode, PathMode, Probe, State, Units};

@@ -13,16 +13,14 @@
 //! crawl, standing somewhere else), so what it does not set itself shows as a difference. Steps and text are streamed: nothing grows with
 //! the program.
 
-mod said;
 mod spelling;
 mod witness;
 
-pub use said::{Said, Spoken};
 pub use spelling::Spelling;
 pub use witness::Witness;
 
 use crate::cldata::{Job, Step, steps};
-use crate::gcode::{Dialect, Distance, FeedMode, MotionMode, Plane, State};
+use crate::gcode::{Dialect, Distance, FeedMode, MotionMode, Plane, Spoken, State};
 use crate::geom::Point;
 use crate::post::{Post, Posted};
 use crate::toolpath::Toolpath;

@@ -1,10 +1,9 @@
 //! One step after another against what the program says.
 
-use super::said::Said;
 use super::spelling::{Spelling, close};
 use super::{Deviation, VerifyError};
 use crate::cldata::{Bow, Coolant, Place, Step};
-use crate::gcode::{Arc, Dialect, Event, Motion, MotionKind, PathMode};
+use crate::gcode::{Arc, Dialect, Event, Motion, MotionKind, PathMode, Said};
 use crate::geom::{Plane, Point};
 use crate::units::{Mm, MmPerMin, Rpm, Seconds};
 use std::f64::consts::PI;

@@ -1,6 +1,9 @@
 //! What a program says, one event at a time, with what the machine remembers then.
 
-use crate::gcode::{Event, InterpretError, State, interpret_line, lines};
+use super::error::InterpretError;
+use super::event::Event;
+use super::interpret::{interpret_line, lines};
+use super::state::State;
 use std::collections::VecDeque;
 
 /// A program being read.
@@ -9,8 +12,12 @@ pub trait Said {
     fn next_event(&mut self) -> Option<Result<Event, InterpretError>>;
     /// What the machine remembers behind the line of that event.
     fn state(&self) -> &State;
+    /// The same, to take note of what the program cannot know. Events already made stay as they are.
+    fn state_mut(&mut self) -> &mut State;
     /// A line's text, for messages.
     fn text_of(&mut self, line: usize) -> String;
+    /// Comments met since this was last asked, with their lines.
+    fn comments(&mut self) -> Vec<(usize, String)>;
 }
 
 /// A program in memory.
@@ -54,6 +61,14 @@ impl Said for Spoken<'_> {
 
     fn state(&self) -> &State {
         &self.state
+    }
+
+    fn state_mut(&mut self) -> &mut State {
+        &mut self.state
+    }
+
+    fn comments(&mut self) -> Vec<(usize, String)> {
+        Vec::new()
     }
 
     fn text_of(&mut self, line: usize) -> String {
