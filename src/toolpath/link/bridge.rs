@@ -66,8 +66,8 @@ const PROBE: f64 = 0.025;
 const TOUCH: f64 = 0.001;
 /// Rounds of lifting what the proof found too low.
 const ROUNDS: usize = 4;
-/// Longest bridge, ball radii.
-const LONGEST: f64 = 20.0;
+/// Longest bridge: mm, or ball radii where that is more.
+const LONGEST: (f64, f64) = (60.0, 20.0);
 /// A link along the surface this much longer than its way in plan is compared with a bridge.
 const DETOUR: f64 = 1.25;
 

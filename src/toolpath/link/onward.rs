@@ -15,8 +15,8 @@ use crate::reach::{DropCutter, Hint};
 use crate::toolpath::ease::{cubic, smooth};
 use crate::toolpath::fit::FitOptions;
 
-/// Runs further apart than this are not joined so, ball radii.
-const FARTHEST: f64 = 5.0;
+/// Runs further apart than this are not joined so: mm, or ball radii where that is more.
+const FARTHEST: (f64, f64) = (15.0, 5.0);
 /// How far the way is bowed out at most, in shares of the gap: tried from the first on, to one side and to the other.
 const BOWS: [f64; 5] = [0.0, 0.03, 0.08, 0.16, 0.3];
 /// ... and by no more than this, mm: next to the part stands what was roughed.
@@ -42,7 +42,7 @@ pub(in crate::toolpath) fn onward(
     let (from, to) = (End::after(before)?, End::before(onto)?);
     let gap = to.at - from.at;
     let far = gap.norm();
-    if !(1e-3..=FARTHEST * cutter.radius()).contains(&far) {
+    if !(1e-3..=FARTHEST.0.max(FARTHEST.1 * cutter.radius())).contains(&far) {
         return None;
     }
     // The wall's own plane: upright, along the way; on the way straight up a wall, along the runs.
