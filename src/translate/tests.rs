@@ -62,7 +62,7 @@ fn what_hangs_on_an_unknown_place_is_refused() {
             "G0 X0 Y0 Z5\nG53 G0 Z0\nG1 X5 F100\nM2",
             "3:1 this move hangs on where the tool stands before, and the program has not said that for Z",
         ),
-        ("G0 X0 Y0 Z5\nG55\nG1 X5 F100\nM2", "for X, Y, Z"),
+        ("G0 X0 Y0 Z5\nG55\nG1 X5 F100\nM2", "for Y, Z"),
         (
             "G0 X0 Y0 Z5\nG28\nM2",
             "2:1 this line goes to a place stored in the machine",

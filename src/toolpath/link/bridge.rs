@@ -265,7 +265,7 @@ pub fn bridge(cutter: &DropCutter, way: &[Point2], from: &End, to: &End) -> Opti
         along.push(along[along.len() - 1] + (w[1] - w[0]).norm());
     }
     let long = along[n - 1];
-    if long > LONGEST * cutter.radius()
+    if long > LONGEST.0.max(LONGEST.1 * cutter.radius())
         || from.slope().abs() > STEEPEST
         || to.slope().abs() > STEEPEST
     {
