@@ -69,7 +69,7 @@ fn what_hangs_on_an_unknown_place_is_refused() {
         ),
         ("G0 X0 Y0 Z5\nG30 Z6\nM2", "stored in the machine"),
         (
-            "G0 X0 Y0 Z5\nG92 X0\nG0 X5\nM2",
+            "G0 X0 Y0 Z5\nG92 X1\nG0 X5\nM2",
             "2:1 this line sets a shift of the coordinates",
         ),
         (
