@@ -3,6 +3,8 @@
 //! No exponent, no locale, no `-0`, no trailing zeros; exact halves go away from zero, so that a path and its mirror image round
 //! alike. Two numbers look equal in the program exactly when their counts are equal.
 
+use super::definition::Numbers;
+
 /// Most decimals that [`round`] and [`push`] take.
 pub const MOST_DECIMALS: u8 = 9;
 
@@ -69,6 +71,27 @@ pub fn push(out: &mut String, count: i64, decimals: u8) {
     out.extend(digits[at..].iter().map(|d| char::from(*d)));
 }
 
+/// The same in a dialect's manner: always with a point, all decimals, or with a plus sign.
+pub fn push_as(out: &mut String, count: i64, decimals: u8, manner: Numbers) {
+    if manner.plus && count >= 0 {
+        out.push('+');
+    }
+    let start = out.len();
+    push(out, count, decimals);
+    let written = out.get(start..).unwrap_or_default();
+    let places = written
+        .find('.')
+        .map(|point| written.len().saturating_sub(point + 1));
+    if places.is_none() && (manner.point || (manner.trailing_zeros && decimals > 0)) {
+        out.push('.');
+    }
+    if manner.trailing_zeros {
+        for _ in places.unwrap_or(0)..usize::from(decimals.min(MOST_DECIMALS)) {
+            out.push('0');
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
@@ -101,6 +124,30 @@ mod tests {
             (10.01, 4, "10.01"),
         ] {
             assert_eq!(text(v, d), s, "{v} with {d}");
+        }
+    }
+
+    #[test]
+    fn manners() {
+        let manner = |point, trailing_zeros, plus| Numbers {
+            point,
+            trailing_zeros,
+            plus,
+        };
+        for (count, decimals, m, s) in [
+            (10_000, 3, manner(true, false, false), "10."),
+            (10_500, 3, manner(true, false, false), "10.5"),
+            (0, 3, manner(true, false, false), "0."),
+            (-10_000, 3, manner(false, true, false), "-10.000"),
+            (10_500, 3, manner(false, true, true), "+10.500"),
+            (0, 3, manner(false, false, true), "+0"),
+            (-1, 3, manner(true, false, true), "-0.001"),
+            (500, 0, manner(true, true, false), "500."),
+            (500, 0, manner(false, true, false), "500"),
+        ] {
+            let mut out = String::from("X");
+            push_as(&mut out, count, decimals, m);
+            assert_eq!(out, format!("X{s}"));
         }
     }
 

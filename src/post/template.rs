@@ -7,25 +7,40 @@ use crate::machine::data::nearest;
 pub enum Slot {
     /// The job's comment lines; must stand alone on its line.
     Comments,
-    /// G21 or G20.
+    /// The word that chooses the program's units.
     Units,
+    /// Program name.
+    Name,
+    /// Program number.
+    Number,
     /// Tool number.
     Tool,
     /// Spindle speed, rpm.
     Speed,
-    /// Seconds to wait for the spindle.
-    SpinUp,
     /// Path tolerance, in the program's units.
     Tolerance,
+    /// A duration, s.
+    Seconds,
+    /// A duration, ms, a whole number.
+    Milliseconds,
+    /// A work offset beyond those with a word of their own: the first of these is 1.
+    Offset,
+    /// The axis words of a move.
+    Axes,
 }
 
-const SLOTS: [(&str, Slot); 6] = [
+const SLOTS: [(&str, Slot); 11] = [
     ("comments", Slot::Comments),
     ("units", Slot::Units),
+    ("name", Slot::Name),
+    ("number", Slot::Number),
     ("tool", Slot::Tool),
     ("speed", Slot::Speed),
-    ("spin_up", Slot::SpinUp),
     ("tolerance", Slot::Tolerance),
+    ("seconds", Slot::Seconds),
+    ("milliseconds", Slot::Milliseconds),
+    ("offset", Slot::Offset),
+    ("axes", Slot::Axes),
 ];
 
 /// A part of a template.
@@ -33,12 +48,22 @@ const SLOTS: [(&str, Slot); 6] = [
 pub enum Piece {
     /// Written as it stands.
     Text(String),
-    /// Filled in per job.
+    /// Filled in by the writer.
     Slot(Slot),
 }
 
-/// One line of a dialect. A line is left out of the program when one of its slots has nothing to say (no spin-up time, no path
-/// tolerance).
+/// What a template is for: it decides which slots it may hold and what it may say.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Use {
+    /// Slots that can be filled there.
+    pub slots: &'static [Slot],
+    /// The line is a move of the writer's own: it may say G0 and G53.
+    pub moves: bool,
+    /// ISO words; otherwise Heidenhain's conversational language.
+    pub iso: bool,
+}
+
+/// One line of a dialect. A line with `{tolerance}` is left out of the program when there is none.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Template {
     /// The line's parts, in order.
@@ -47,7 +72,7 @@ pub struct Template {
 
 impl Template {
     /// Takes a line apart. The error says what is wrong and what to do.
-    pub fn parse(line: &str) -> Result<Template, String> {
+    pub fn parse(line: &str, place: Use) -> Result<Template, String> {
         if let Some(c) = line.chars().find(|c| !(' '..='~').contains(c)) {
             return Err(format!(
                 "{c:?} is not a printable ASCII character, and machines read no other: leave it out"
@@ -58,28 +83,21 @@ impl Template {
         }
         let mut pieces = Vec::new();
         let mut rest = line;
-        while let Some(open) = rest.find('{') {
-            if open > 0 {
-                pieces.push(Piece::Text(rest[..open].to_string()));
+        while let Some((before, after)) = rest.split_once('{') {
+            if !before.is_empty() {
+                pieces.push(Piece::Text(before.to_string()));
             }
-            let Some(close) = rest[open..].find('}') else {
+            let Some((name, after)) = after.split_once('}') else {
                 return Err("has a { without its }".to_string());
             };
-            let name = &rest[open + 1..open + close];
-            let Some((_, slot)) = SLOTS.iter().find(|(n, _)| *n == name) else {
-                let near = nearest(name, SLOTS.iter().map(|(n, _)| *n))
-                    .map(|n| format!(" (did you mean {{{n}}}?)"))
-                    .unwrap_or_default();
-                let known: Vec<String> = SLOTS.iter().map(|(n, _)| format!("{{{n}}}")).collect();
-                return Err(format!(
-                    "{{{name}}} is not known{near}; there are {}",
-                    known.join(" ")
-                ));
-            };
-            pieces.push(Piece::Slot(*slot));
-            rest = &rest[open + close + 1..];
+            pieces.push(Piece::Slot(slot(name, place.slots)?));
+            rest = after;
         }
-        if rest.contains('}') {
+        if rest.contains('}')
+            || pieces
+                .iter()
+                .any(|p| matches!(p, Piece::Text(t) if t.contains('}')))
+        {
             return Err("has a } without its {".to_string());
         }
         if !rest.is_empty() {
@@ -89,7 +107,10 @@ impl Template {
             return Err("{comments} must stand on a line of its own".to_string());
         }
         let template = Template { pieces };
-        template.refuse_motion()?;
+        match place.iso {
+            true => template.refuse_motion(place.moves)?,
+            false => template.refuse_path(place.moves)?,
+        }
         Ok(template)
     }
 
@@ -98,29 +119,41 @@ impl Template {
         self.pieces.contains(&Piece::Slot(slot))
     }
 
-    /// The words of the line as (letter, number text), slots shown as `0`, comments left out.
+    /// The line's own text, slots shown as `0` or, where they are no number, left out.
+    fn flat(&self) -> String {
+        let shown = |p: &Piece| match p {
+            Piece::Text(t) => t.clone(),
+            Piece::Slot(Slot::Units | Slot::Comments | Slot::Axes | Slot::Name) => " ".into(),
+            Piece::Slot(_) => "0".into(),
+        };
+        self.pieces.iter().map(shown).collect()
+    }
+
+    /// The words of the line as (letter, number text), comments left out. Names of two letters and more (`SUPA`, `CTOL=0.1`) are
+    /// no words.
     pub fn words(&self) -> Vec<(char, String)> {
         let mut words: Vec<(char, String)> = Vec::new();
-        let mut in_comment = false;
-        let flat: String = self
-            .pieces
-            .iter()
-            .map(|p| match p {
-                Piece::Text(t) => t.as_str(),
-                Piece::Slot(Slot::Units | Slot::Comments) => " ",
-                Piece::Slot(_) => "0",
-            })
-            .collect();
-        for c in flat.chars() {
+        let mut depth = 0_usize;
+        let mut letters = 0_usize;
+        for c in self.flat().chars() {
             match c {
-                '(' => in_comment = true,
-                ')' => in_comment = false,
-                ';' if !in_comment => break,
-                _ if in_comment || c == ' ' => {}
-                c if c.is_ascii_alphabetic() => words.push((c.to_ascii_uppercase(), String::new())),
+                '(' => depth += 1,
+                ')' => depth = depth.saturating_sub(1),
+                ';' if depth == 0 => break,
+                _ if depth > 0 => {}
+                c if c.is_ascii_alphabetic() => {
+                    letters += 1;
+                    match letters {
+                        1 => words.push((c.to_ascii_uppercase(), String::new())),
+                        2 => drop(words.pop()),
+                        _ => {}
+                    }
+                }
+                ' ' => letters = 0,
                 c => {
-                    if let Some((_, number)) = words.last_mut() {
+                    if let (true, Some((_, number))) = (letters <= 1, words.last_mut()) {
                         number.push(c);
+                        letters = 0;
                     }
                 }
             }
@@ -129,7 +162,7 @@ impl Template {
     }
 
     /// The writer keeps track of position, motion mode and units, so a template may touch none of them.
-    fn refuse_motion(&self) -> Result<(), String> {
+    fn refuse_motion(&self, own_move: bool) -> Result<(), String> {
         for (letter, number) in self.words() {
             let value: f64 = number.parse().unwrap_or(-1.0);
             let word = format!("{letter}{number}");
@@ -138,10 +171,10 @@ impl Template {
                     "{word} would move the machine: only the program's own moves may"
                 ));
             }
-            if letter != 'G' {
+            if letter != 'G' || (own_move && [0.0, 53.0].contains(&value)) {
                 continue;
             }
-            if value == 20.0 || value == 21.0 {
+            if [20.0, 21.0, 70.0, 71.0, 700.0, 710.0].contains(&value) {
                 return Err(format!(
                     "{word}: write {{units}} instead, so that it always agrees with the numbers"
                 ));
@@ -162,6 +195,40 @@ impl Template {
         }
         Ok(())
     }
+
+    /// The same for conversational language.
+    fn refuse_path(&self, own_move: bool) -> Result<(), String> {
+        let flat = self.flat();
+        let first = flat.split_whitespace().next().unwrap_or_default();
+        let path = [
+            "L", "C", "CC", "CP", "CR", "CT", "CHF", "RND", "LP", "CTP", "APPR", "DEP",
+        ];
+        if !own_move && path.contains(&first) {
+            return Err(format!(
+                "{first} would move the machine: only the program's own moves may"
+            ));
+        }
+        Ok(())
+    }
+}
+
+/// The slot of a name, if it can be filled there.
+fn slot(name: &str, allowed: &[Slot]) -> Result<Slot, String> {
+    let here = || SLOTS.iter().filter(|(_, s)| allowed.contains(s));
+    if let Some((_, slot)) = here().find(|(n, _)| *n == name) {
+        return Ok(*slot);
+    }
+    let near = nearest(name, here().map(|(n, _)| *n))
+        .map(|n| format!(" (did you mean {{{n}}}?)"))
+        .unwrap_or_default();
+    let known: Vec<String> = here().map(|(n, _)| format!("{{{n}}}")).collect();
+    Err(match known.is_empty() {
+        true => format!("{{{name}}}: nothing can be filled in here"),
+        false => format!(
+            "{{{name}}} is not known here{near}; there are {}",
+            known.join(" ")
+        ),
+    })
 }
 
 #[cfg(test)]
@@ -169,9 +236,26 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
 
+    const ANY: Use = Use {
+        slots: &[
+            Slot::Comments,
+            Slot::Units,
+            Slot::Tool,
+            Slot::Speed,
+            Slot::Tolerance,
+            Slot::Axes,
+        ],
+        moves: false,
+        iso: true,
+    };
+
+    fn parse(line: &str) -> Result<Template, String> {
+        Template::parse(line, ANY)
+    }
+
     #[test]
     fn takes_lines_apart() {
-        let t = Template::parse("M3 S{speed} (go)").unwrap();
+        let t = parse("M3 S{speed} (go)").unwrap();
         assert_eq!(
             t.pieces,
             [
@@ -189,7 +273,7 @@ mod tests {
         for (line, what) in [
             (
                 "M3 S{sped}",
-                "{sped} is not known (did you mean {speed}?); there are {comments} {units} ",
+                "{sped} is not known here (did you mean {speed}?); there are {comments} {units} {tool} {speed} {tolerance} {axes}",
             ),
             ("M3 S{speed", "has a { without its }"),
             ("M3 S}", "has a } without its {"),
@@ -204,7 +288,7 @@ mod tests {
             ("G28", "would move the machine"),
             ("G92.1 Z0", "Z0 would move the machine"),
         ] {
-            let e = Template::parse(line).unwrap_err();
+            let e = parse(line).unwrap_err();
             assert!(e.contains(what), "{line}: {e}");
         }
         for good in [
@@ -214,8 +298,30 @@ mod tests {
             "G40 G49 G80",
             "G64 P{tolerance}",
             "G43 H{tool}",
+            "CYCLE832({tolerance},_FINISH,1)",
+            "CTOL={tolerance}",
+            "G0{axes}X",
         ] {
-            Template::parse(good).unwrap();
+            let own = Use {
+                moves: good.contains("{axes}"),
+                ..ANY
+            };
+            match good.ends_with('X') {
+                true => assert!(
+                    Template::parse(good, own)
+                        .unwrap_err()
+                        .contains("X would move")
+                ),
+                false => drop(Template::parse(good, own).unwrap()),
+            }
         }
+        let own = Use { moves: true, ..ANY };
+        assert!(Template::parse("G0 SUPA {axes} D0", own).is_ok());
+        let tnc = Use { iso: false, ..ANY };
+        assert!(Template::parse("TOOL CALL {tool} Z", tnc).is_ok());
+        let e = Template::parse("L Z+100 R0 FMAX", tnc).unwrap_err();
+        assert!(e.starts_with("L would move the machine"), "{e}");
+        let e = Template::parse("M6 {x}", Use { slots: &[], ..ANY }).unwrap_err();
+        assert_eq!(e, "{x}: nothing can be filled in here");
     }
 }

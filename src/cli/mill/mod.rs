@@ -34,7 +34,7 @@ pub fn run(a: &MillArgs) -> Result<ExitCode, Failure> {
     }
     let radius = a.tool.tool.radius;
     let mut progress = Progress::new();
-    if a.arcs && !s.post.arcs {
+    if a.arcs && !s.post.arcs.has(crate::geom::Plane::Xy) {
         say(&format!(
             "note: --arcs: post {} has no arcs; the program will be of straight lines",
             s.post.name
@@ -78,7 +78,7 @@ pub fn run(a: &MillArgs) -> Result<ExitCode, Failure> {
     let mut progress = progress.into_inner();
 
     progress.stage("proof", "proving every segment");
-    if a.arcs && s.post.arcs {
+    if a.arcs && s.post.arcs.has(crate::geom::Plane::Xy) {
         let how = ArcOptions::new(planned.fitting, s.machine.arc_tolerance.0);
         planned.toolpath = arcs(&planned.toolpath, &ground.cutter, &how);
     }

@@ -1,7 +1,7 @@
 //! Programs written, and judged by eye, by rule and against a hand-made record.
 #![allow(clippy::unwrap_used)]
 
-use super::super::{Post, PostError, Units, write};
+use super::super::{Post, PostError, Refusal, Spot, Units, write};
 use super::Coolant;
 use crate::cldata::Job;
 use crate::geom::Point;
@@ -70,7 +70,7 @@ fn words(line: &str) -> &str {
 
 #[test]
 fn golden_programs() {
-    for name in ["grbl", "linuxcnc"] {
+    for (name, _) in crate::post::BUILT_IN {
         let post = Post::load(name).unwrap();
         let text = write(&path(), &job(), &post).unwrap().text;
         let file = format!("{}/tests/golden/{name}.nc", env!("CARGO_MANIFEST_DIR"));
@@ -122,9 +122,12 @@ fn a_move_may_be_slower_than_the_job_and_never_faster() {
     for wrong in [0.0, -1.0, 1e-9, f64::NAN] {
         path.moves[6].feed = Some(MmPerMin(wrong));
         let error = write(&path, &job(), &post).unwrap_err();
-        assert!(matches!(error, PostError::MoveFeed { index: 6, .. }));
+        assert_eq!(error.spot, Spot::Move(6));
         let text = error.to_string();
-        assert!(text.starts_with("move 6: its feed is"), "{text}");
+        assert!(
+            text.starts_with("post grbl: move 6: its feed in mm/min is"),
+            "{text}"
+        );
     }
 }
 
@@ -204,7 +207,7 @@ fn options_of_the_job_and_the_dialect() {
     j.spin_up = Seconds(0.0);
     j.coolant = Coolant::Flood;
     let text = write(&path(), &j, &post).unwrap().text;
-    assert!(text.contains("M3 S18000\nM8\n") && !text.contains("G4"));
+    assert!(text.contains("M3 S18000\nM8\n") && !text.contains("G4 "));
     j.speed = Rpm(0.0);
     let text = write(&path(), &j, &post).unwrap().text;
     assert!(!text.contains("M3 ") && text.contains("M5"));
@@ -242,26 +245,29 @@ fn what_cannot_be_written_is_refused_by_name() {
     let post = Post::load("grbl").unwrap();
     let refusal = |p: &Toolpath, j: &Job| write(p, j, &post).unwrap_err().to_string();
     assert_eq!(
-        write(&Toolpath::default(), &job(), &post),
-        Err(PostError::Empty)
+        refusal(&Toolpath::default(), &job()),
+        "post grbl: the toolpath has no moves: there is nothing to cut"
     );
     let mut p = path();
     p.moves[7].to.y = f64::NAN;
     assert_eq!(
         refusal(&p, &job()),
-        "move 7: Y is NaN: the path is broken there, so no program was written"
+        "post grbl: move 7: Y is NaN: the path is broken there, so no program was written"
     );
     p.moves[7].to.y = 1e6;
     assert_eq!(
         refusal(&p, &job()),
-        "move 7: Y = 1000000 mm has more than 8 digits as this dialect writes it: controllers read no more"
+        "post grbl: move 7: Y = 1000000 mm has more than 8 digits as this dialect writes it: controllers read no more"
     );
     let mut p = path();
     p.moves[0].kind = MoveKind::Cut;
-    assert!(refusal(&p, &job()).starts_with("move 0 is a Cut: a program must begin with a Rapid"));
+    assert!(
+        refusal(&p, &job())
+            .starts_with("post grbl: move 0: is a Cut: a program must begin with a Rapid")
+    );
     let mut p = path();
     p.safe_z = f64::INFINITY;
-    assert!(refusal(&p, &job()).starts_with("the safe height is inf mm"));
+    assert!(refusal(&p, &job()).starts_with("post grbl: the safe height is inf mm"));
     for bad in [0.0, -1.0, f64::NAN, 0.01, 1e12] {
         let e = refusal(
             &path(),
@@ -271,7 +277,7 @@ fn what_cannot_be_written_is_refused_by_name() {
             },
         );
         assert!(
-            e.starts_with("the feed in mm/min is") && e.contains("must be above zero"),
+            e.starts_with("post grbl: the feed in mm/min is") && e.contains("must be above zero"),
             "{e}"
         );
         let e = refusal(
@@ -281,7 +287,7 @@ fn what_cannot_be_written_is_refused_by_name() {
                 ..job()
             },
         );
-        assert!(e.starts_with("the plunge feed"), "{e}");
+        assert!(e.starts_with("post grbl: the plunge feed"), "{e}");
     }
     for bad in [-1.0, f64::NAN, 0.3] {
         let e = refusal(
@@ -299,7 +305,7 @@ fn what_cannot_be_written_is_refused_by_name() {
     };
     assert_eq!(
         refusal(&path(), &mist),
-        "post grbl has no Mist coolant: choose another, or none"
+        "post grbl: this controller has no Mist coolant: choose another, or none"
     );
     let mut tight = post.clone();
     tight.longest = 15;
@@ -314,8 +320,8 @@ fn what_cannot_be_written_is_refused_by_name() {
     .unwrap_err();
     assert!(
         matches!(
-            e,
-            PostError::LineTooLong {
+            e.refusal,
+            Refusal::LineTooLong {
                 line: 1,
                 length: 19,
                 ..
@@ -414,24 +420,24 @@ fn arcs_by_hand() {
 fn arcs_that_cannot_be_written_are_refused_or_straight() {
     let mut post = Post::load("grbl").unwrap();
     let refusal = |p: &Toolpath, post: &Post| write(p, &job(), post).unwrap_err().to_string();
-    post.arcs = false;
+    let all = std::mem::replace(&mut post.arcs, crate::post::definition::Arcs::NONE);
     assert_eq!(
         refusal(&arcs(), &post),
-        "move 2 is an arc and post grbl has none (arcs = false): make the path of straight lines only"
+        "post grbl: move 2: it is a helix of 90.0 degrees with radius 10.0000 mm in plane XY, and this controller takes none: let it be written as lines, and say within what tolerance"
     );
-    post.arcs = true;
+    post.arcs = all;
     let mut p = arcs();
     p.moves[7].turn = p.moves[2].turn;
     assert_eq!(
         refusal(&p, &post),
-        "move 7 is a Retract along an arc: only a Cut or a Link may turn"
+        "post grbl: move 7: is a Retract along an arc: only a Cut or a Link may turn"
     );
     let mut p = arcs();
     p.moves[2].to.x = 0.1;
     p.moves[2].to.y = 10.2;
     assert_eq!(
         refusal(&p, &post),
-        "move 2: the arc about X0 Y0 cannot be written with 3 decimals: the radii at its start and end differ"
+        "post grbl: move 2: the arc about X0 Y0 cannot be written with 3 decimals: the radii at its start and end differ"
     );
     // A whole turn that is none when written: from (10, 0) clockwise to a hair above it.
     let mut p = arcs();
@@ -456,7 +462,7 @@ fn arcs_that_cannot_be_written_are_refused_or_straight() {
         center: Point2::new(f64::NAN, 0.0),
         clockwise: true,
     });
-    assert!(refusal(&p, &post).starts_with("move 2: X is NaN"));
+    assert!(refusal(&p, &post).starts_with("post grbl: move 2: X is NaN"));
     p.moves[2].turn = Some(Turn {
         center: Point2::new(10.0, 0.0),
         clockwise: true,
