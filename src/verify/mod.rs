@@ -22,7 +22,7 @@ pub use witness::Witness;
 use crate::cldata::{Job, Step, steps};
 use crate::gcode::{Dialect, Distance, FeedMode, MotionMode, Plane, Spoken, State};
 use crate::geom::Point;
-use crate::post::{Post, Posted};
+use crate::post::{Adapter, Post, Posted, Refusal, Rewrite};
 use crate::toolpath::Toolpath;
 use crate::units::{Mm, MmPerMin, Rpm};
 
@@ -62,6 +62,9 @@ pub enum VerifyError {
         /// What it says and what was meant.
         difference: String,
     },
+    /// The post cannot say a step at all, so no program can be its.
+    #[error("{0}")]
+    Refused(String),
     /// A post whose reader no interpreter is known for.
     #[error("post {post}: no interpreter is called \"{reader}\"")]
     NoReader {
@@ -70,6 +73,12 @@ pub enum VerifyError {
         /// Its reader.
         reader: String,
     },
+}
+
+impl From<Refusal> for VerifyError {
+    fn from(refusal: Refusal) -> Self {
+        VerifyError::Refused(refusal.to_string())
+    }
 }
 
 /// The interpreter for programs of a post, or an error when it names none that we have.
@@ -101,8 +110,13 @@ pub fn verify(
         let found = format!("the record of lines does not fit the moves: {m} moves and {l} lines");
         return Err(witness.differs(1, found));
     }
+    let mut adapter = Adapter::new(post, Rewrite::default());
     for (index, step) in steps(toolpath, job) {
-        let told = witness.step(&step)?;
+        let mut told = 0;
+        adapter.step(&step, &mut |adapted| {
+            told = witness.step(adapted)?;
+            Ok::<(), VerifyError>(())
+        })?;
         let recorded = index.and_then(|i| posted.line_of_move.get(i));
         if let (Some(i), Some(&recorded)) = (index, recorded)
             && recorded != told

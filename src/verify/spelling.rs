@@ -13,8 +13,6 @@ pub struct Spelling {
     pub speed: f64,
     /// ... of a time, s.
     pub time: f64,
-    /// The program waits for the spindle; where it does not, the controller does.
-    pub waits: bool,
     /// A tool change is written at all.
     pub tools: bool,
 }
@@ -28,11 +26,7 @@ impl Spelling {
             feed: unit(post.feed_decimals()) * post.units.mm(),
             speed: unit(post.decimals.speed),
             time: unit(post.decimals.seconds),
-            waits: true,
-            tools: post
-                .start
-                .iter()
-                .any(|t| t.has(crate::post::template::Slot::Tool)),
+            tools: !post.tool.change.is_empty(),
         }
     }
 

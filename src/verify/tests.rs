@@ -122,7 +122,7 @@ fn catches_every_lie() {
             "\n",
             "is given None s to reach its speed, and 2.5 were meant",
         ),
-        ("M8\n", "\n", "flood and mist do not come on"),
+        ("M8\n", "\n", "flood and mist stay as they are"),
         ("G0 Z5\n", "\n", "no motion, where a Rapid to Z5 was meant"),
         ("G0 Z5\n", "G0 Z4\n", "where a Rapid to Z5 was meant"),
         ("G0 Z5\n", "G0 X0 Y0 Z5\n", "where a Rapid to Z5 was meant"),

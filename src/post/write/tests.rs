@@ -1,7 +1,7 @@
 //! Programs written, and judged by eye, by rule and against a hand-made record.
 #![allow(clippy::unwrap_used)]
 
-use super::super::{Post, PostError, Refusal, Spot, Units, write};
+use super::super::{Post, Refusal, Spot, Units, write};
 use super::Coolant;
 use crate::cldata::Job;
 use crate::geom::Point;
