@@ -8,10 +8,24 @@
 //!
 //! Crosses the border: [`Step`]s of the *tool tip* in work coordinates, mm and mm/min. Knows nothing of machines or dialects.
 
+mod arc;
+pub mod cutter;
+pub mod error;
 pub mod job;
+mod lines;
+pub mod note;
+pub mod read;
+mod statement;
 pub mod step;
+mod token;
 pub mod toolpath;
+pub mod write;
 
+pub use cutter::Cutter;
+pub use error::{ClError, ClProblem};
 pub use job::{Coolant, Job};
+pub use note::{Note, NoteKind};
+pub use read::{ReadOptions, Reader};
 pub use step::{Bow, Place, Step};
 pub use toolpath::steps;
+pub use write::{ClWriteError, WriteOptions, Writer};
