@@ -12,11 +12,14 @@ pub mod mill;
 pub mod output;
 mod pictures;
 pub mod ports;
+pub mod post;
 pub mod posts;
 mod progress;
+mod proven;
 mod rest_picture;
 pub mod send;
 mod show;
+pub mod translate;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -40,6 +43,10 @@ enum Command {
     Features(Box<features::FeaturesArgs>),
     /// Proves a program: limits, time and, with a part, cusps, gouges and rapids into stock
     Check(Box<check::CheckArgs>),
+    /// An APT cutter-location file of any CAM system as a program, proven by reading it back
+    Post(Box<post::PostArgs>),
+    /// A program of one dialect in another, proven by reading it back
+    Translate(Box<translate::TranslateArgs>),
     /// Streams a program to a GRBL controller, or to the simulated one
     Send(Box<send::SendArgs>),
     /// Serves a simulated GRBL controller on a pseudo-terminal
@@ -86,6 +93,8 @@ pub fn main() -> ExitCode {
         Command::Mill(a) => mill::run(&a),
         Command::Features(a) => features::run(&a),
         Command::Check(a) => check::run(&a),
+        Command::Post(a) => post::run(&a),
+        Command::Translate(a) => translate::run(&a),
         Command::Send(a) => Ok(ExitCode::from(send::run(&a, &mut std::io::stdout()))),
         Command::Controller(a) => Ok(ExitCode::from(controller::run(&a, &mut std::io::stdout()))),
         Command::Ports => Ok(ExitCode::from(ports::run(&mut std::io::stdout()))),
