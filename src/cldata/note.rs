@@ -55,7 +55,9 @@ pub enum NoteKind {
     #[error("a dwell in revolutions was made one in seconds with the spindle's speed")]
     DwellTurns,
     /// The first cut after a tool change is no rapid.
-    #[error("the first move after a tool change goes at feed, from wherever the change leaves the tool")]
+    #[error(
+        "the first move after a tool change goes at feed, from wherever the change leaves the tool"
+    )]
     FeedAfterTool,
     /// RETRCT at or over the clearance height.
     #[error("RETRCT moves nothing here: the tool is at the clearance height or over it")]

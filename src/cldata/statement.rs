@@ -240,8 +240,7 @@ impl<R: BufRead> Statements<R> {
         }
         let before = characters(line.get(..start).unwrap_or_default());
         if !open && text_word(rest(start)).is_some() {
-            self.now
-                .push(number, before, rest(start).trim_ascii_end());
+            self.now.push(number, before, rest(start).trim_ascii_end());
             return Ok(Next::Whole);
         }
         let (end, on) = match dollar(rest(start)) {
@@ -317,9 +316,8 @@ fn sequence(line: &[u8]) -> Option<u64> {
 /// True for remarks which say that the points are the ball's centre.
 pub(super) fn says_center(remark: &[u8]) -> bool {
     let upper = remark.to_ascii_uppercase();
-    let has = |words: &[&str]| {
-        (words.iter()).any(|w| upper.windows(w.len()).any(|u| u == w.as_bytes()))
-    };
+    let has =
+        |words: &[&str]| (words.iter()).any(|w| upper.windows(w.len()).any(|u| u == w.as_bytes()));
     has(&[
         "TOOL CENTER",
         "TOOL CENTRE",

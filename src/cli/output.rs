@@ -67,7 +67,9 @@ impl<'a> WholeFile<'a> {
 
 impl Write for WholeFile<'_> {
     fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
-        self.file.as_mut().map_or(Ok(bytes.len()), |f| f.write(bytes))
+        self.file
+            .as_mut()
+            .map_or(Ok(bytes.len()), |f| f.write(bytes))
     }
 
     fn flush(&mut self) -> std::io::Result<()> {

@@ -38,7 +38,7 @@ struct Program<'a> {
 }
 
 impl Program<'_> {
-    fn read(&self) -> Result<translate::Steps<Interpreter<BufReader<File>>>, Failure> {
+    fn read(&self) -> Result<translate::Steps<BufReader<File>>, Failure> {
         let fail = |e: std::io::Error| Failure::Failed(format!("{}: {e}", self.path.display()));
         let file = File::open(self.path).map_err(fail)?;
         if !file.metadata().map_err(fail)?.is_file() {
@@ -85,7 +85,10 @@ pub fn run(args: &TranslateArgs) -> Result<ExitCode, Failure> {
     for step in first.by_ref() {
         step.map_err(|e| Failure::Rejected(format!("{}:{e}", args.program.display())))?;
     }
-    let notes = first.notes.iter().map(|n| format!("line {}: {}", n.line, n.text));
+    let notes = first
+        .notes
+        .iter()
+        .map(|n| format!("line {}: {}", n.line, n.text));
     let notes: Vec<String> = notes.collect();
     let tolerance: Option<Mm> = first.path_tolerance;
     let options = options(&args.out, tolerance);

@@ -27,10 +27,12 @@ pub mod dialect;
 pub mod error;
 pub mod event;
 mod execute;
+mod expression;
 mod flow;
 mod heidenhain;
 pub mod interpret;
-pub mod said;
+mod parameter;
+pub mod program;
 mod siemens;
 pub mod source;
 pub mod state;
@@ -39,8 +41,9 @@ mod word;
 pub use dialect::Dialect;
 pub use error::{Code, Complaint, InterpretError};
 pub use event::{Arc, Event, Motion, MotionKind, Plane};
+pub use expression::ExpressionComplaint;
 pub use interpret::{
     MAX_ERRORS, Program, interpret, interpret_from, interpret_jog, interpret_line, lines,
 };
-pub use said::{Said, Spoken};
+pub use program::{Comment, FlowComplaint, Interpreter, Reading};
 pub use state::{Distance, FeedMode, MotionMode, PathMode, Probe, State, Units};

@@ -2,10 +2,11 @@
 
 use super::error::TranslateError;
 use crate::cldata::{Bow, Coolant, Place, Step};
-use crate::gcode::{Dialect, Distance, Event, Motion, MotionKind, PathMode, Said, State};
+use crate::gcode::{Dialect, Distance, Event, Interpreter, Motion, MotionKind, PathMode, State};
 use crate::geom::{Point, Vector};
 use crate::units::{Mm, MmPerMin, Seconds};
 use std::collections::VecDeque;
+use std::io::{BufRead, Seek};
 
 /// Something that was left out or taken for something, for people.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,8 +40,8 @@ pub fn unknown_state(dialect: Dialect) -> State {
 }
 
 /// The steps of a program that is read from [`unknown_state`]: an iterator of steps with their lines. Ends at the first error.
-pub struct Steps<S> {
-    said: S,
+pub struct Steps<R> {
+    said: Interpreter<R>,
     waiting: VecDeque<(usize, Step)>,
     /// Axes whose work coordinate the program has told.
     known: [bool; 3],
@@ -58,9 +59,9 @@ pub struct Steps<S> {
 
 type Line = Result<(), TranslateError>;
 
-impl<S: Said> Steps<S> {
+impl<R: BufRead + Seek> Steps<R> {
     /// Of a program being read from [`unknown_state`].
-    pub fn new(said: S) -> Steps<S> {
+    pub fn new(said: Interpreter<R>) -> Steps<R> {
         let state = said.state();
         Steps {
             offset: state.work_offset,
@@ -77,11 +78,6 @@ impl<S: Said> Steps<S> {
         }
     }
 
-    /// The program being read.
-    pub fn said(&mut self) -> &mut S {
-        &mut self.said
-    }
-
     fn note(&mut self, line: usize, text: &'static str) {
         if self.notes.len() < MOST_NOTES && !self.notes.iter().any(|n| n.text == text) {
             self.notes.push(Note { line, text });
@@ -94,7 +90,7 @@ impl<S: Said> Steps<S> {
 
     /// Reads one event, and makes steps of it; false at the end.
     fn read(&mut self) -> Result<bool, TranslateError> {
-        let event = match self.said.next_event() {
+        let event = match self.said.next() {
             None => {
                 if !self.ended {
                     self.note(
@@ -115,8 +111,8 @@ impl<S: Said> Steps<S> {
         };
         let line = event.line();
         self.last_line = line;
-        for (at, text) in self.said.comments() {
-            self.push(at, Step::Comment(text));
+        for c in self.said.take_comments() {
+            self.push(c.line, Step::Comment(c.text));
         }
         // The end puts modes back that no step hangs on any more.
         if !matches!(event, Event::End { .. }) {
@@ -321,7 +317,7 @@ impl<S: Said> Steps<S> {
     }
 }
 
-impl<S: Said> Iterator for Steps<S> {
+impl<R: BufRead + Seek> Iterator for Steps<R> {
     type Item = Result<(usize, Step), TranslateError>;
 
     fn next(&mut self) -> Option<Self::Item> {

@@ -3,12 +3,18 @@
 
 use super::{Steps, TranslateError, unknown_state};
 use crate::cldata::{Coolant, Step};
-use crate::gcode::{Dialect, Spoken};
+use crate::gcode::{Dialect, Interpreter, Reading};
 use crate::geom::Point;
 use crate::units::{Mm, MmPerMin, Seconds};
+use std::io::Cursor;
+
+fn program(text: &str, dialect: Dialect) -> Steps<Cursor<&[u8]>> {
+    let from = Cursor::new(text.as_bytes());
+    Steps::new(Interpreter::from_state(from, unknown_state(dialect), Reading::default()).unwrap())
+}
 
 fn read(text: &str, dialect: Dialect) -> Result<Vec<Step>, TranslateError> {
-    Steps::new(Spoken::new(text, unknown_state(dialect)))
+    program(text, dialect)
         .map(|s| s.map(|(_, step)| step))
         .collect()
 }
@@ -140,7 +146,7 @@ fn machine_places_keep_their_coordinates_and_hide_the_work_ones() {
 #[test]
 fn modes_are_gone() {
     let text = "G20 G90 T3 M6\nG43 H3\nG64 P0.0001\nM3 S1000\nM8\nG0 X1 Y1 Z1\nG91 G93\nG1 X1 F2\nG2 X1 I0.5 F4\nM9\nG4 P1.5\nM0\nM2\n";
-    let mut all = Steps::new(Spoken::new(text, unknown_state(Dialect::LinuxCnc)));
+    let mut all = program(text, Dialect::LinuxCnc);
     let steps: Vec<Step> = all.by_ref().map(|s| s.unwrap().1).collect();
     let tolerance = all.path_tolerance.unwrap();
     assert!((tolerance.0 - Mm(0.00254).0).abs() < 1e-12);
@@ -176,7 +182,7 @@ fn modes_are_gone() {
 
 #[test]
 fn a_program_without_an_end_gets_one_and_a_note() {
-    let mut all = Steps::new(Spoken::new("G0 Z5\n", unknown_state(Dialect::Grbl)));
+    let mut all = program("G0 Z5\n", Dialect::Grbl);
     let steps: Vec<Step> = all.by_ref().map(|s| s.unwrap().1).collect();
     assert_eq!(steps.last(), Some(&Step::End));
     assert_eq!(

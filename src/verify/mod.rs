@@ -20,11 +20,12 @@ pub use spelling::Spelling;
 pub use witness::Witness;
 
 use crate::cldata::{Job, Step, steps};
-use crate::gcode::{Dialect, Distance, FeedMode, MotionMode, Plane, Spoken, State};
+use crate::gcode::{Dialect, Distance, FeedMode, Interpreter, MotionMode, Plane, Reading, State};
 use crate::geom::Point;
 use crate::post::{Adapter, Post, Posted, Refusal, Rewrite};
 use crate::toolpath::Toolpath;
 use crate::units::{Mm, MmPerMin, Rpm};
+use std::io::Cursor;
 
 /// How well the text agrees with the steps. All differences are within half a unit of the last decimal, or there is an error.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,7 +63,7 @@ pub enum VerifyError {
         /// What it says and what was meant.
         difference: String,
     },
-    /// The post cannot say a step at all, so no program can be its.
+    /// There is nothing to compare: the post cannot say a step at all, or the text cannot be read.
     #[error("{0}")]
     Refused(String),
     /// A post whose reader no interpreter is known for.
@@ -97,7 +98,10 @@ pub fn verify(
     job: &Job,
     post: &Post,
 ) -> Result<Deviation, VerifyError> {
-    let said = Spoken::new(&posted.text, worst_state(dialect_of(post)?, post));
+    let text = Cursor::new(posted.text.as_bytes());
+    let state = worst_state(dialect_of(post)?, post);
+    let said = Interpreter::from_state(text, state, Reading::default())
+        .map_err(|e| VerifyError::Refused(format!("the program cannot be read back: {e}")))?;
     let mut witness = Witness::new(said, Spelling::of(post));
     if toolpath.moves.is_empty() {
         return Err(witness.differs(

@@ -3,14 +3,15 @@
 use super::spelling::{Spelling, close};
 use super::{Deviation, VerifyError};
 use crate::cldata::{Bow, Coolant, Place, Step};
-use crate::gcode::{Arc, Dialect, Event, Motion, MotionKind, PathMode, Said};
+use crate::gcode::{Arc, Dialect, Event, Interpreter, Motion, MotionKind, PathMode};
 use crate::geom::{Plane, Point};
 use crate::units::{Mm, MmPerMin, Rpm, Seconds};
 use std::f64::consts::PI;
+use std::io::{BufRead, Seek};
 
 /// Compares steps with a program as both come along. Give it every step with [`Witness::step`], then [`Witness::finish`].
-pub struct Witness<S> {
-    said: S,
+pub struct Witness<R> {
+    said: Interpreter<R>,
     spelling: Spelling,
     /// The event looked at and not yet taken.
     ahead: Option<Event>,
@@ -33,9 +34,9 @@ struct Meant<'a> {
     feed: MmPerMin,
 }
 
-impl<S: Said> Witness<S> {
+impl<R: BufRead + Seek> Witness<R> {
     /// A witness who has heard nothing yet.
-    pub fn new(said: S, spelling: Spelling) -> Witness<S> {
+    pub fn new(said: Interpreter<R>, spelling: Spelling) -> Witness<R> {
         Witness {
             said,
             spelling,
@@ -129,7 +130,7 @@ impl<S: Said> Witness<S> {
 
     fn peek(&mut self) -> Result<Option<&Event>, VerifyError> {
         if self.ahead.is_none() {
-            self.ahead = match self.said.next_event() {
+            self.ahead = match self.said.next() {
                 None => None,
                 Some(Ok(e)) => Some(e),
                 Some(Err(e)) => {

@@ -140,7 +140,12 @@ impl State {
                     return Err(count(at, found));
                 }
                 if !next.is_empty() && !word_is(&args.next()?, next) {
-                    return Err((at, ClProblem::Ends { wanted: "AXIS and RADIUS" }));
+                    return Err((
+                        at,
+                        ClProblem::Ends {
+                            wanted: "AXIS and RADIUS",
+                        },
+                    ));
                 }
                 Ok(v)
             };
@@ -259,7 +264,8 @@ impl State {
         } else {
             let uneven = turn > UNEVEN * series.longest;
             // A chord that nobody could tell from its arc is no question.
-            let chord = circle.radius * (1.0 - (0.5 * turn).cos()) > OFF_CIRCLE || apart < ONE_PLACE;
+            let chord =
+                circle.radius * (1.0 - (0.5 * turn).cos()) > OFF_CIRCLE || apart < ONE_PLACE;
             if series.points == 1 && (series.longest > LARGE || uneven) && chord {
                 let turn = turn.to_degrees();
                 return Err(ClProblem::ArcOrLine { line, turn });
@@ -346,7 +352,14 @@ impl State {
         args.end()?;
         let word = args.word;
         if found != 3 {
-            return Err((at, ClProblem::Count { word, found, takes: TAKES }));
+            return Err((
+                at,
+                ClProblem::Count {
+                    word,
+                    found,
+                    takes: TAKES,
+                },
+            ));
         }
         self.along = Some(match (word, self.at) {
             ("INDIRV", _) => vector(&v),
@@ -384,7 +397,11 @@ impl State {
                 _ => return Err(ahead.unexpected("INTOF")),
             }
             if n != 1.0 && n != 2.0 {
-                return Err(args.value(place, n, "INTOF is neither 1 nor 2: an arc crosses a line twice at most"));
+                return Err(args.value(
+                    place,
+                    n,
+                    "INTOF is neither 1 nor 2: an arc crosses a line twice at most",
+                ));
             }
             nth = n as u32;
             args = ahead;
@@ -422,7 +439,8 @@ impl State {
         let end = crossing(&circle, &from, [&line[0], &line[1]], nth)?;
         // CATIA's line runs from the centre to the end: then both must say the same.
         let [first, second] = line;
-        let told = plane_distance(&circle, first, &circle.center) <= ONE_PLACE && circle.holds(second);
+        let told =
+            plane_distance(&circle, first, &circle.center) <= ONE_PLACE && circle.holds(second);
         if told && plane_distance(&circle, second, &end) > OFF_CIRCLE {
             let (x, y) = (end.x, end.y);
             return Err(ClProblem::ArcCrossing { x, y });
@@ -451,7 +469,12 @@ fn plane_distance(circle: &Circle, a: &Point, b: &Point) -> f64 {
 }
 
 /// How far a single arc turns, rad; `None` for nothing.
-fn sweep(circle: &Circle, from: &Point, to: &Point, turns: Turns) -> Result<Option<f64>, ClProblem> {
+fn sweep(
+    circle: &Circle,
+    from: &Point,
+    to: &Point,
+    turns: Turns,
+) -> Result<Option<f64>, ClProblem> {
     let apart = plane_distance(circle, from, to);
     let once = circle.turn(from, to);
     let small = apart < ONE_PLACE && !(1e-2..=TAU - 1e-2).contains(&once.abs());
