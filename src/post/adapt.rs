@@ -10,6 +10,7 @@
 //! | spindle or coolant off just before the end | nothing: the last lines switch off everything |
 //! | end | retract, where the post has one; end |
 //! | tool | spindle off, coolant off, retract, tool; coolant on again with the spindle, or before the next cut |
+//! | one coolant after another | off, then that one |
 //! | spindle | without its spin-up time where the controller waits by itself |
 //! | an arc that turns too far at once | arcs, exactly ([`Rewrite::halves`]) |
 //! | an arc that cannot be written | lines within a tolerance ([`Rewrite::lines_within`]) |
@@ -103,6 +104,10 @@ impl<'a> Adapter<'a> {
                 self.pay(to)
             }
             Step::Coolant(kind) => {
+                // The words for one leave the other running.
+                if self.coolant != Coolant::Off && self.coolant != *kind {
+                    to(&Step::Coolant(Coolant::Off))?;
+                }
                 self.coolant = *kind;
                 self.owed = Coolant::Off;
                 to(step)

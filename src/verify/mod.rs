@@ -21,7 +21,7 @@ pub use witness::Witness;
 
 use crate::cldata::{Job, Step, steps};
 use crate::gcode::{Dialect, Distance, FeedMode, Interpreter, MotionMode, Plane, Reading, State};
-use crate::geom::Point;
+use crate::geom::{Point, Vector};
 use crate::post::{Adapter, Post, Posted, Refusal, Rewrite};
 use crate::toolpath::Toolpath;
 use crate::units::{Mm, MmPerMin, Rpm};
@@ -149,6 +149,11 @@ pub fn worst_state(dialect: Dialect, post: &Post) -> State {
     s.work_offset = 1;
     s.feed = MmPerMin(1.0);
     s.speed = Rpm(1.0);
+    // So that no place in the work's coordinates is that place in the machine's.
+    for (i, g5x) in s.g5x.iter_mut().enumerate() {
+        let far = 1000.0 * (i as f64 + 1.0);
+        *g5x = Vector::new(far + 0.25, far + 0.5, -far - 0.125);
+    }
     s.position = Point::new(-1234.5, 2345.6, -3456.7);
     s
 }

@@ -76,7 +76,7 @@ impl<R: BufRead + Seek> Witness<R> {
             Step::Coolant(coolant) => self.cool(*coolant)?,
             Step::Dwell(time) => self.dwell(*time)?,
             Step::Pause { optional } => self.pause(*optional)?,
-            Step::WorkOffset(n) => self.offset = *n,
+            Step::WorkOffset(n) => (self.offset, self.at) = (*n, [None; 3]),
             Step::Rapid { to } => self.rapid(to, false)?,
             Step::MachineRapid { to } => self.rapid(to, true)?,
             Step::Feed { to, bow, feed } => self.feed(&Meant {
@@ -164,7 +164,9 @@ impl<R: BufRead + Seek> Witness<R> {
         loop {
             self.settle()?;
             match self.peek()? {
-                Some(Event::Motion(m)) if m.kind == MotionKind::Rapid && m.from == m.to => {
+                Some(Event::Motion(m))
+                    if m.kind == MotionKind::Rapid && !m.machine_coordinates && m.from == m.to =>
+                {
                     self.take()
                 }
                 _ => return Ok(()),
@@ -213,6 +215,7 @@ impl<R: BufRead + Seek> Witness<R> {
         let unit = self.spelling.speed;
         let turns = self.spindle.0 == direction && close(self.spindle.1, speed.0, unit);
         match self.peek()? {
+            _ if turns => {}
             Some(&Event::Spindle {
                 direction: d,
                 speed: s,
@@ -230,7 +233,6 @@ impl<R: BufRead + Seek> Witness<R> {
                 }
                 self.take();
             }
-            _ if turns => {}
             e => {
                 let (line, found) = e.map_or((0, "the end".to_string()), |e| (e.line(), name(e)));
                 let text = format!(
@@ -255,6 +257,10 @@ impl<R: BufRead + Seek> Witness<R> {
             Coolant::Flood => (true, false),
             Coolant::Mist => (false, true),
         };
+        if coolant == self.coolant {
+            // Said again, it changes nothing, and the machine is told nothing.
+            return Ok(());
+        }
         if let Some(&Event::Coolant { flood, mist, line }) = self.peek()? {
             if (flood, mist) != meant {
                 let text = format!(
@@ -264,7 +270,7 @@ impl<R: BufRead + Seek> Witness<R> {
                 return Err(self.differs(line, text));
             }
             self.take();
-        } else if self.coolant != coolant {
+        } else {
             let line = self.peek()?.map_or(1, Event::line);
             let text = format!("flood and mist stay as they are, and {meant:?} was meant");
             return Err(self.differs(line, text));

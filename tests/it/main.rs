@@ -26,4 +26,5 @@ mod recordings;
 mod programs;
 mod refusals;
 mod repeat;
+mod round_trip;
 mod story;

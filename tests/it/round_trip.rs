@@ -58,7 +58,8 @@ impl From<Refusal> for Trouble {
 
 fn read_back(post: &Post, text: &[u8], steps: &[Step]) -> Result<Deviation, Trouble> {
     let state = worst_state(dialect_of(post).expect("a reader"), post);
-    let said = Interpreter::from_state(Cursor::new(text), state, Reading::default()).expect("memory");
+    let said =
+        Interpreter::from_state(Cursor::new(text), state, Reading::default()).expect("memory");
     let mut witness = Witness::new(said, Spelling::of(post));
     let mut adapter = Adapter::new(post, options().rewrite);
     for step in steps {
@@ -98,9 +99,17 @@ fn steps(choices: &[Choice], text: &str) -> Vec<Step> {
     let mut all = vec![
         Step::Comment(text.to_string()),
         Step::Tool { number: 1 },
-        Step::Rapid { to: [None, None, Some(25.0)] },
-        Step::Spindle { direction: 1, speed: Rpm(8000.0), spin_up: Seconds(2.0) },
-        Step::Rapid { to: [Some(at.x), Some(at.y), None] },
+        Step::Rapid {
+            to: [None, None, Some(25.0)],
+        },
+        Step::Spindle {
+            direction: 1,
+            speed: Rpm(8000.0),
+            spin_up: Seconds(2.0),
+        },
+        Step::Rapid {
+            to: [Some(at.x), Some(at.y), None],
+        },
     ];
     for &(what, [x, y, z], radius, angle, yes) in choices {
         let feed = MmPerMin((100.0 + 20.0 * radius).round());
@@ -112,7 +121,11 @@ fn steps(choices: &[Choice], text: &str) -> Vec<Step> {
                     2..4 => Point::new(at.x, at.y + 1e-4 * z, at.z),
                     _ => Point::new(x, y, z),
                 };
-                all.push(Step::Feed { to: at, bow: None, feed });
+                all.push(Step::Feed {
+                    to: at,
+                    bow: None,
+                    feed,
+                });
             }
             8..14 => {
                 let plane = match what {
@@ -130,22 +143,40 @@ fn steps(choices: &[Choice], text: &str) -> Vec<Step> {
                 to[a] = center[a] + radius * (start + sweep).cos();
                 to[b] = center[b] + radius * (start + sweep).sin();
                 to[n] += if z > 0.0 { 0.01 * z } else { 0.0 };
-                all.push(Step::Feed { to, bow: Some(Bow { plane, center, sweep }), feed });
+                all.push(Step::Feed {
+                    to,
+                    bow: Some(Bow {
+                        plane,
+                        center,
+                        sweep,
+                    }),
+                    feed,
+                });
                 at = to;
             }
             14 => {
                 let mut to = at;
                 to.z = 25.0;
-                all.push(Step::Rapid { to: [None, None, Some(25.0)] });
+                all.push(Step::Rapid {
+                    to: [None, None, Some(25.0)],
+                });
                 at = Point::new(x, y, 25.0);
-                all.push(Step::Rapid { to: [Some(x), Some(y), None] });
+                all.push(Step::Rapid {
+                    to: [Some(x), Some(y), None],
+                });
             }
             15 => {
                 at = Point::new(x, y, z);
-                all.push(Step::Rapid { to: [Some(x), Some(y), Some(z)] });
+                all.push(Step::Rapid {
+                    to: [Some(x), Some(y), Some(z)],
+                });
             }
             16 => all.push(Step::Dwell(Seconds((radius * 10.0).round() / 10.0))),
-            17 => all.push(Step::Coolant(if yes { Coolant::Flood } else { Coolant::Mist })),
+            17 => all.push(Step::Coolant(if yes {
+                Coolant::Flood
+            } else {
+                Coolant::Mist
+            })),
             18 => all.push(Step::Coolant(Coolant::Off)),
             19 => all.push(Step::Spindle {
                 direction: if yes { 1 } else { -1 },
@@ -157,19 +188,35 @@ fn steps(choices: &[Choice], text: &str) -> Vec<Step> {
             22 => {
                 // A tool change, a work offset: from there everything is told anew.
                 if yes {
-                    all.push(Step::Tool { number: 2 + (radius as u32) % 9 });
-                    all.push(Step::Spindle { direction: 1, speed: Rpm(5000.0), spin_up: Seconds(2.0) });
+                    all.push(Step::Tool {
+                        number: 2 + (radius as u32) % 9,
+                    });
+                    all.push(Step::Spindle {
+                        direction: 1,
+                        speed: Rpm(5000.0),
+                        spin_up: Seconds(2.0),
+                    });
                 } else {
                     all.push(Step::WorkOffset(1 + (radius as u16) % 6));
                 }
-                all.push(Step::Rapid { to: [None, None, Some(30.0)] });
-                all.push(Step::Rapid { to: [Some(x), Some(y), None] });
+                all.push(Step::Rapid {
+                    to: [None, None, Some(30.0)],
+                });
+                all.push(Step::Rapid {
+                    to: [Some(x), Some(y), None],
+                });
                 at = Point::new(x, y, 30.0);
             }
             _ => {
-                all.push(Step::MachineRapid { to: [None, None, Some(-1.0)] });
-                all.push(Step::Rapid { to: [Some(x), Some(y), None] });
-                all.push(Step::Rapid { to: [None, None, Some(30.0)] });
+                all.push(Step::MachineRapid {
+                    to: [None, None, Some(-1.0)],
+                });
+                all.push(Step::Rapid {
+                    to: [Some(x), Some(y), None],
+                });
+                all.push(Step::Rapid {
+                    to: [None, None, Some(30.0)],
+                });
                 at = Point::new(x, y, 30.0);
             }
         }
