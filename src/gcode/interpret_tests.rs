@@ -286,30 +286,6 @@ fn lines_end_in_three_ways() {
     assert_eq!((program.lines, program.events.len()), (2, 2));
 }
 
-/// Each file opens with the errors that it must raise, one a line, all of them and in order.
-#[test]
-fn bad_programs_raise_the_errors_they_open_with() {
-    let root = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/gcode/err");
-    for (folder, dialect) in [("grbl", Dialect::Grbl), ("linuxcnc", Dialect::LinuxCnc)] {
-        let mut files: Vec<_> = std::fs::read_dir(format!("{root}/{folder}"))
-            .unwrap()
-            .map(|f| f.unwrap().path())
-            .collect();
-        files.sort();
-        assert!(!files.is_empty());
-        for file in files {
-            let text = std::fs::read_to_string(&file).unwrap();
-            let want: Vec<&str> = lines(&text).map_while(|l| l.strip_prefix("; ")).collect();
-            let got: Vec<String> = interpret(&text, dialect)
-                .unwrap_err()
-                .iter()
-                .map(ToString::to_string)
-                .collect();
-            assert_eq!(got, want, "{}", file.display());
-        }
-    }
-}
-
 #[test]
 fn columns_count_characters() {
     let e = interpret("(\u{e4}\u{f6}) G0 Q1", Dialect::Grbl).unwrap_err();

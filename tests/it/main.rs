@@ -23,6 +23,7 @@ mod link;
 mod looks;
 mod recordings;
 
+mod programs;
 mod refusals;
 mod repeat;
 mod story;
