@@ -34,6 +34,7 @@ pub fn error_number(complaint: &Complaint) -> u16 {
         | Complaint::OffsetRotation
         | Complaint::CommentOpen
         | Complaint::CommentNested
-        | Complaint::WholeNumber { .. } => 20,
+        | Complaint::WholeNumber { .. }
+        | Complaint::Rule(_) => 20,
     }
 }

@@ -3,6 +3,7 @@
 //! A [`Complaint`] is precise enough that the far end of the cable can answer with GRBL's own number; the numbers themselves
 //! live in `wire`. Each variant's text says what is wrong and what to do next.
 
+use super::rules::RuleComplaint;
 use super::word::MAX_COLUMN;
 
 /// A mistake in a program: line and column (characters, both from 1) and what is wrong there.
@@ -224,6 +225,9 @@ pub enum Complaint {
         /// The least value.
         least: u32,
     },
+    /// Other dialects than GRBL only.
+    #[error(transparent)]
+    Rule(#[from] RuleComplaint),
 }
 
 /// A complaint with its place as a byte offset in the line; the caller turns that into a line and a column.

@@ -10,6 +10,7 @@ use super::dialect::Dialect;
 use super::error::{Complaint, Fault, InterpretError};
 use super::event::{Event, Motion, MotionKind};
 use super::execute::execute;
+use super::rules::BlockDelete;
 use super::state::State;
 
 /// A whole program, understood.
@@ -41,7 +42,10 @@ pub fn interpret_line(
     events: &mut Vec<Event>,
 ) -> Result<(), InterpretError> {
     if state.block_delete
-        && state.dialect == Dialect::LinuxCnc
+        && matches!(
+            state.dialect.rules().block_delete,
+            BlockDelete::Switch | BlockDelete::Levels
+        )
         && text.trim_start().starts_with('/')
     {
         return Ok(());
@@ -110,7 +114,7 @@ pub fn interpret(text: &str, dialect: Dialect) -> Result<Program, Vec<InterpretE
 /// As [`interpret`].
 pub fn interpret_from(mut state: State, text: &str) -> Result<Program, Vec<InterpretError>> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let linuxcnc = state.dialect == Dialect::LinuxCnc;
+    let ends = state.dialect.rules().ends;
     let mut events = Vec::with_capacity(text.len() / 24);
     let mut errors: Vec<InterpretError> = Vec::new();
     let (mut line, mut marks, mut over) = (0, 0, false);
@@ -121,7 +125,7 @@ pub fn interpret_from(mut state: State, text: &str) -> Result<Program, Vec<Inter
         }
         if content.starts_with('%') && content.trim_end() == "%" {
             marks += 1;
-            over = linuxcnc && marks == 2;
+            over = ends && marks == 2;
             continue;
         }
         let first = events.len();
@@ -132,7 +136,7 @@ pub fn interpret_from(mut state: State, text: &str) -> Result<Program, Vec<Inter
                 errors.push(e);
             }
         }
-        over = linuxcnc
+        over = ends
             && events
                 .get(first..)
                 .unwrap_or_default()

@@ -23,13 +23,16 @@ mod arc;
 mod block;
 mod check;
 mod codes;
+pub mod cycle;
 pub mod dialect;
+mod envelope;
 pub mod error;
 pub mod event;
 mod execute;
 mod flow;
 mod heidenhain;
 pub mod interpret;
+pub mod rules;
 mod siemens;
 pub mod source;
 pub mod state;
@@ -41,4 +44,4 @@ pub use event::{Arc, Event, Motion, MotionKind, Plane};
 pub use interpret::{
     MAX_ERRORS, Program, interpret, interpret_from, interpret_jog, interpret_line, lines,
 };
-pub use state::{Distance, FeedMode, MotionMode, PathMode, Probe, State, Units};
+pub use state::{Distance, FeedMode, MotionMode, PathMode, Probe, Retract, State, Units};
