@@ -6,6 +6,7 @@
 pub mod args;
 pub mod check;
 pub mod controller;
+pub mod dialects;
 pub mod features;
 pub mod machines;
 pub mod mill;
@@ -57,6 +58,8 @@ enum Command {
     Machines,
     /// The G-code dialects that come with the program
     Posts,
+    /// What the reader understands of each controller's G-code, and what it refuses
+    Dialects(dialects::DialectsArgs),
 }
 
 /// Why a command ended badly.
@@ -100,6 +103,7 @@ pub fn main() -> ExitCode {
         Command::Ports => Ok(ExitCode::from(ports::run(&mut std::io::stdout()))),
         Command::Machines => output::to_stdout(|w| machines::run(w)),
         Command::Posts => output::to_stdout(|w| posts::run(w)),
+        Command::Dialects(a) => dialects::run(&a),
     };
     match outcome {
         Ok(code) => code,

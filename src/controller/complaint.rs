@@ -36,6 +36,7 @@ pub fn error_number(complaint: &Complaint) -> u16 {
         | Complaint::CommentNested
         | Complaint::WholeNumber { .. }
         | Complaint::Flow(_)
-        | Complaint::Expression(_) => 20,
+        | Complaint::Expression(_)
+        | Complaint::Rule(_) => 20,
     }
 }

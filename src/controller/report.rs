@@ -127,7 +127,7 @@ impl Controller {
             MotionMode::Linear => "G1",
             MotionMode::ArcClockwise => "G2",
             MotionMode::ArcCounterclockwise => "G3",
-            MotionMode::None => "G80",
+            MotionMode::None | MotionMode::Cycle(_) => "G80",
             MotionMode::Probe(probe) => match (probe.away, probe.strict) {
                 (false, true) => "G38.2",
                 (false, false) => "G38.3",

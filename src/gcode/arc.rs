@@ -2,9 +2,9 @@
 //!
 //! Crosses the border: points and words in mm, work coordinates; an [`Arc`] or a [`Complaint`] out.
 
-use super::dialect::Dialect;
 use super::error::Complaint;
 use super::event::{Arc, Plane};
+use super::rules::{ArcMiss, Rules};
 use crate::geom::Point;
 use std::f64::consts::TAU;
 
@@ -40,7 +40,7 @@ pub(super) fn sweep(start: [f64; 2], end: [f64; 2], center: [f64; 2], clockwise:
 
 /// An arc whose centre is known. Checks the two radii by the dialect's rule.
 pub(super) fn by_center(
-    dialect: Dialect,
+    rules: &Rules,
     plane: Plane,
     from: &Point,
     to: &Point,
@@ -53,13 +53,15 @@ pub(super) fn by_center(
     let start = (s[0] - c[0]).hypot(s[1] - c[1]);
     let end = (e[0] - c[0]).hypot(e[1] - c[1]);
     let differ = (start - end).abs();
-    if start == 0.0 && dialect == Dialect::LinuxCnc {
+    if start == 0.0 && !rules.firmware {
         return Err(Complaint::ArcRadiusZero);
     }
     // Small misses come from rounding in the post and are spread along the arc; large ones mean that the program is wrong.
-    let bad = match dialect {
-        Dialect::Grbl => differ > 0.5 || (differ > 0.005 && differ > 0.001 * start),
-        _ => differ > 0.127 || (differ > 0.00127 && differ > 0.001 * start.max(end)),
+    let bad = match rules.arc_miss {
+        ArcMiss::Grbl => differ > 0.5 || (differ > 0.005 && differ > 0.001 * start),
+        ArcMiss::LinuxCnc => {
+            differ > 0.127 || (differ > 0.00127 && differ > 0.001 * start.max(end))
+        }
     };
     if bad {
         return Err(Complaint::ArcRadiiDiffer { start, end });
@@ -123,6 +125,7 @@ pub(super) fn by_radius(
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
+    use super::super::dialect::Dialect;
     use super::*;
     use proptest::prelude::*;
     use std::f64::consts::PI;
@@ -147,7 +150,7 @@ mod tests {
     fn start_equal_to_end_is_a_full_circle_by_centre_and_nothing_by_radius() {
         let (p, c) = (Point::new(1.0, 2.0, 3.0), Point::new(2.0, 2.0, 9.0));
         for (clockwise, turn) in [(true, -TAU), (false, TAU)] {
-            let arc = by_center(Dialect::Grbl, Plane::Xy, &p, &p, &c, clockwise).unwrap();
+            let arc = by_center(Dialect::Grbl.rules(), Plane::Xy, &p, &p, &c, clockwise).unwrap();
             assert_eq!((arc.sweep, arc.center.z), (turn, 3.0));
         }
         assert_eq!(

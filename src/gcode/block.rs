@@ -8,30 +8,15 @@
 
 use super::codes::{AxisUser, Coolant, GROUPS, Group, Letters, NonModal, Path, Stop, ToolLength};
 use super::dialect::Dialect;
+use super::envelope;
 use super::error::{Code, Complaint, Fault};
 use super::event::Plane;
-use super::state::{Distance, FeedMode, MotionMode, Probe, Units};
-use super::word::{Word, Words, check_comments, significant};
-
-/// Most characters of a line that the controller reads: GRBL without blanks and comments, LinuxCNC with them.
-const GRBL_LINE: usize = 79;
-const LINUXCNC_LINE: usize = 255;
-
-/// The highest tool number.
-fn tool_limit(dialect: Dialect) -> u32 {
-    match dialect {
-        Dialect::Grbl => 255,
-        _ => 99_999,
-    }
-}
+use super::rules::{Meaning, RuleComplaint, Rules};
+use super::state::{Distance, FeedMode, MotionMode, Retract, Units};
+use super::word::{Word, Words};
 
 /// X, Y, Z.
 pub(super) const AXES: Letters = Letters::of(b"XYZ");
-
-const GRBL_WORDS: Letters = Letters::of(b"FIJKLNPRSTXYZ");
-const LINUXCNC_WORDS: Letters = Letters::of(b"FHIJKLNPQRSTXYZ");
-const GRBL_POSITIVE: Letters = Letters::of(b"FNPST");
-const LINUXCNC_POSITIVE: Letters = Letters::of(b"FHNPQST");
 
 /// The words of one line.
 #[derive(Clone, Debug)]
@@ -50,12 +35,21 @@ pub(super) struct Block {
     pub spindle: Option<i8>,
     pub coolant: Option<Coolant>,
     pub tool_change: bool,
+    pub retract: Option<Retract>,
+    /// A code without further meaning that waits for standstill.
+    pub wait: bool,
+    /// The word that names the work offset, the first offset it names, how many.
+    pub offset_word: Option<(u8, usize, u32)>,
     pub axis_user: AxisUser,
     /// Value words present.
     pub letters: Letters,
+    /// Those of them written with a decimal point.
+    pub pointed: Letters,
+    /// Words that belong to a code which leaves the path as it is.
+    pub idle: Letters,
     /// Byte offset of the first word.
     pub start: u32,
-    groups: u16,
+    groups: u32,
     values: [f64; 26],
     letter_at: [u32; 26],
     group_at: [u32; GROUPS],
@@ -78,8 +72,13 @@ impl Block {
             spindle: None,
             coolant: None,
             tool_change: false,
+            retract: None,
+            wait: false,
+            offset_word: None,
             axis_user: AxisUser::Nobody,
             letters: Letters::default(),
+            pointed: Letters::default(),
+            idle: Letters::default(),
             start: 0,
             groups: 0,
             values: [0.0; 26],
@@ -123,12 +122,12 @@ impl Block {
 
     /// True if the block has a code of this group.
     pub fn seen(&self, group: Group) -> bool {
-        self.groups & (1 << group as u16) != 0
+        self.groups & (1 << group as u32) != 0
     }
 
     /// True if the block has any G or M code outside these groups.
     pub fn has_codes_beyond(&self, groups: &[Group]) -> bool {
-        let allowed = groups.iter().fold(0u16, |m, &g| m | 1 << g as u16);
+        let allowed = groups.iter().fold(0u32, |m, &g| m | 1 << g as u32);
         self.groups & !allowed != 0
     }
 }
@@ -139,21 +138,20 @@ fn parts(value: f64) -> (u8, i64) {
     (whole, ((value - f64::from(whole)) * 100.0).round() as i64)
 }
 
+/// A G or M number in hundredths; `None` for what no code is.
+fn hundredths_of(value: f64) -> Option<u32> {
+    let hundredths = (value * 100.0).round();
+    let near = (value * 100.0 - hundredths).abs() < 1e-6;
+    (near && (0.0..1e8).contains(&hundredths)).then_some(hundredths as u32)
+}
+
 /// Reads the words of one line. `None` for a line without any.
 pub(super) fn gather(text: &str, dialect: Dialect) -> Result<Option<Block>, Fault> {
-    let (length, limit) = match dialect {
-        Dialect::Grbl if text.len() > GRBL_LINE => (significant(text), GRBL_LINE),
-        Dialect::LinuxCnc if text.len() > LINUXCNC_LINE => {
-            (text.trim_end().chars().count(), LINUXCNC_LINE)
-        }
-        _ => (0, 0),
-    };
-    if length > limit {
-        return Err(Fault::at(0, Complaint::LineTooLong { length, limit }));
+    let rules = dialect.rules();
+    if !rules.letters.any() {
+        return Err(Fault::at(0, RuleComplaint::OtherLanguage.into()));
     }
-    if dialect == Dialect::LinuxCnc && text.as_bytes().contains(&b'(') {
-        check_comments(text)?;
-    }
+    let text = envelope::open(text, rules)?;
     let mut words = Words::new(text, dialect);
     let mut block = Block::empty();
     let mut any = false;
@@ -164,209 +162,222 @@ pub(super) fn gather(text: &str, dialect: Dialect) -> Result<Option<Block>, Faul
             any = true;
         }
         match word.letter {
-            b'G' => block.g(&word, dialect)?,
-            b'M' => block.m(&word, dialect)?,
-            _ => block.letter(&word, dialect)?,
+            b'G' => block.g(&word, rules)?,
+            b'M' => block.m(&word, rules)?,
+            _ => block.letter(&word, rules)?,
         }
     }
     Ok(any.then_some(block))
 }
 
+/// G codes that have relatives with a fraction, so that an unknown fraction is an unknown code.
+const FAMILIES: [u8; 9] = [5, 28, 30, 38, 43, 61, 64, 90, 92];
+
+/// The firmware's own view of who wants the axis words, which it takes before it looks whether it knows the code.
+fn firmware_user(whole: u8, hundredths: i64) -> AxisUser {
+    match whole {
+        0..=3 | 38 => AxisUser::Motion,
+        10 => AxisUser::NonModal,
+        28 | 30 | 92 if hundredths == 0 => AxisUser::NonModal,
+        43 | 49 => AxisUser::ToolLength,
+        _ => AxisUser::Nobody,
+    }
+}
+
+/// Which command a meaning makes of the axis words. LinuxCNC's way: G43 and G49 leave them to the motion, G43.1 reads them as lengths.
+fn user(meaning: Option<Meaning>) -> AxisUser {
+    match meaning {
+        Some(Meaning::Motion(MotionMode::None)) => AxisUser::Nobody,
+        Some(Meaning::Motion(_)) => AxisUser::Motion,
+        Some(Meaning::ToolLength(ToolLength::Dynamic)) => AxisUser::ToolLength,
+        Some(Meaning::NonModal(n)) => match n {
+            NonModal::SetOffset
+            | NonModal::GoHome
+            | NonModal::GoSecondHome
+            | NonModal::Shift
+            | NonModal::Local => AxisUser::NonModal,
+            _ => AxisUser::Nobody,
+        },
+        _ => AxisUser::Nobody,
+    }
+}
+
 impl Block {
     /// A G word.
-    fn g(&mut self, word: &Word, dialect: Dialect) -> Result<(), Fault> {
+    fn g(&mut self, word: &Word, rules: &Rules) -> Result<(), Fault> {
         let code = Code {
             letter: 'G',
             number: word.value,
         };
         let fault = |complaint| Err(Fault::at(word.start, complaint));
-        let unsupported = Complaint::UnsupportedCode { code };
-        let linuxcnc = dialect == Dialect::LinuxCnc;
         let (whole, hundredths) = parts(word.value);
-        // LinuxCNC's G43, G43.1 and G49 leave the axis words to the motion, except that G43.1 reads them as lengths.
-        let user = match whole {
-            0..=3 | 38 => AxisUser::Motion,
-            10 => AxisUser::NonModal,
-            28 | 30 | 92 if hundredths == 0 => AxisUser::NonModal,
-            43 | 49 if !linuxcnc => AxisUser::ToolLength,
-            43 if hundredths == 10 => AxisUser::ToolLength,
-            _ => AxisUser::Nobody,
+        let key = match (rules.firmware, whole) {
+            // GRBL does not look at the fraction of G49.
+            (true, 49) => Some(4900),
+            (true, _) => u32::try_from(i64::from(whole) * 100 + hundredths).ok(),
+            (false, _) => hundredths_of(word.value),
         };
-        if user != AxisUser::Nobody {
-            if self.axis_user != AxisUser::Nobody {
-                return fault(Complaint::TwoAxisCommands { code });
-            }
-            self.axis_user = user;
+        let meaning = key.and_then(|k| rules.g(k));
+        let wants = match rules.firmware {
+            true => firmware_user(whole, hundredths),
+            false => user(meaning),
+        };
+        if wants != AxisUser::Nobody {
+            let home = |m| matches!(m, Some(NonModal::GoHome | NonModal::GoSecondHome));
+            let now_home = matches!(meaning, Some(Meaning::NonModal(n)) if home(Some(n)));
+            let straight = |m| matches!(m, Some(MotionMode::Rapid | MotionMode::Linear));
+            let now_straight = matches!(meaning, Some(Meaning::Motion(m)) if straight(Some(m)));
+            self.axis_user = match self.axis_user {
+                AxisUser::Nobody => wants,
+                AxisUser::Motion
+                    if rules.home_beside_motion && now_home && straight(self.motion) =>
+                {
+                    wants
+                }
+                AxisUser::NonModal
+                    if rules.home_beside_motion && now_straight && home(self.non_modal) =>
+                {
+                    AxisUser::NonModal
+                }
+                _ => return fault(Complaint::TwoAxisCommands { code }),
+            };
         }
-        // `plain`: the code has no fraction of its own, so any fraction is a mistake.
-        let mut plain = true;
-        let group = match whole {
-            0..=3 => {
-                self.motion = Some(match whole {
-                    0 => MotionMode::Rapid,
-                    1 => MotionMode::Linear,
-                    2 => MotionMode::ArcClockwise,
-                    _ => MotionMode::ArcCounterclockwise,
-                });
-                Group::Motion
-            }
-            38 => {
-                plain = false;
-                let (away, strict) = match hundredths {
-                    20 => (false, true),
-                    30 => (false, false),
-                    40 => (true, true),
-                    50 => (true, false),
-                    _ => return fault(unsupported),
-                };
-                self.motion = Some(MotionMode::Probe(Probe { away, strict }));
-                Group::Motion
-            }
-            80 => {
-                self.motion = Some(MotionMode::None);
-                Group::Motion
-            }
-            4 | 10 | 53 => {
-                self.non_modal = Some(match whole {
-                    4 => NonModal::Dwell,
-                    10 => NonModal::SetOffset,
-                    _ => NonModal::MachineCoordinates,
-                });
-                Group::NonModal
-            }
-            28 | 30 | 92 => {
-                plain = false;
-                self.non_modal = Some(match (whole, hundredths) {
-                    (28, 0) => NonModal::GoHome,
-                    (28, 10) => NonModal::StoreHome,
-                    (30, 0) => NonModal::GoSecondHome,
-                    (30, 10) => NonModal::StoreSecondHome,
-                    (92, 0) => NonModal::Shift,
-                    (92, 10) => NonModal::ClearShift,
-                    _ => return fault(unsupported),
-                });
-                Group::NonModal
-            }
-            17..=19 => {
-                self.plane = Some(match whole {
-                    17 => Plane::Xy,
-                    18 => Plane::Zx,
-                    _ => Plane::Yz,
-                });
-                Group::Plane
-            }
-            90 | 91 => {
-                let distance = match whole {
-                    90 => Distance::Absolute,
-                    _ => Distance::Incremental,
-                };
-                plain = false;
-                match hundredths {
-                    0 => {
-                        self.distance = Some(distance);
-                        Group::Distance
-                    }
-                    10 if whole == 91 || linuxcnc => {
-                        self.arc_distance = Some(distance);
-                        Group::ArcDistance
-                    }
-                    _ => return fault(unsupported),
+        let Some(meaning) = meaning else {
+            let plain = !FAMILIES.contains(&whole) && hundredths != 0;
+            let family = u32::from(whole) * 100;
+            return fault(match rules.g(family) {
+                Some(_) if plain => Complaint::Fraction { code },
+                _ => Complaint::UnsupportedCode { code },
+            });
+        };
+        let group = match meaning {
+            Meaning::Motion(motion) => {
+                self.motion = Some(motion);
+                match motion {
+                    // Where G80 has a group of its own, the cycles are in it: G0 G80 is no mistake, G80 G81 is.
+                    MotionMode::Cycle(_) if self.seen(Group::Cycle) => Group::Cycle,
+                    _ => Group::Motion,
                 }
             }
-            93 | 94 => {
-                self.feed_mode = Some(match whole {
-                    93 => FeedMode::InverseTime,
-                    _ => FeedMode::PerMinute,
-                });
+            Meaning::CycleOff => {
+                if matches!(self.motion, Some(MotionMode::Cycle(_))) {
+                    let group = Group::Cycle.name();
+                    return fault(Complaint::SameGroup { code, group });
+                }
+                self.motion = self.motion.or(Some(MotionMode::None));
+                Group::Cycle
+            }
+            Meaning::NonModal(non_modal) => {
+                self.non_modal = Some(non_modal);
+                Group::NonModal
+            }
+            Meaning::Plane(plane) => {
+                self.plane = Some(plane);
+                Group::Plane
+            }
+            Meaning::Distance(distance) => {
+                self.distance = Some(distance);
+                Group::Distance
+            }
+            Meaning::ArcDistance(distance) => {
+                self.arc_distance = Some(distance);
+                Group::ArcDistance
+            }
+            Meaning::FeedMode(mode) => {
+                self.feed_mode = Some(mode);
                 Group::FeedMode
             }
-            20 | 21 => {
-                self.units = Some(match whole {
-                    20 => Units::Inch,
-                    _ => Units::Mm,
-                });
+            Meaning::Units(units) => {
+                self.units = Some(units);
                 Group::Units
             }
-            40 => Group::CutterRadius,
-            43 | 49 => {
-                plain = linuxcnc && whole == 49;
-                self.tool_length = Some(match (whole, hundredths) {
-                    (49, _) => ToolLength::Cancel,
-                    (_, 10) => ToolLength::Dynamic,
-                    (_, 0) if linuxcnc => ToolLength::Table,
-                    _ => return fault(unsupported),
-                });
+            Meaning::Retract(retract) => {
+                self.retract = Some(retract);
+                Group::Retract
+            }
+            Meaning::ToolLength(length) => {
+                self.tool_length = Some(length);
                 Group::ToolLength
             }
-            54..=59 => {
-                self.work_offset = Some(usize::from(whole - 54));
+            Meaning::WorkOffset(index) => {
+                self.work_offset = Some(index);
                 Group::WorkOffset
             }
-            61 | 64 => {
-                plain = false;
-                self.path = Some(match (whole, hundredths) {
-                    (61, 0) => Path::Exact,
-                    (61, 10) if linuxcnc => Path::Stop,
-                    (64, 0) if linuxcnc => Path::Blend,
-                    _ => return fault(unsupported),
-                });
+            Meaning::WorkOffsetBy { letter, base, most } => {
+                self.offset_word = Some((letter, base, most));
+                Group::WorkOffset
+            }
+            Meaning::Path(path) => {
+                self.path = Some(path);
                 Group::Path
             }
-            _ => return fault(unsupported),
+            Meaning::Nothing(group, letters, _) => {
+                self.idle = self.idle.or(letters);
+                group
+            }
+            Meaning::Refused(why) => {
+                return fault(RuleComplaint::Refused { code, why }.into());
+            }
+            // These stand in tables of M codes only.
+            Meaning::Stop(_)
+            | Meaning::Spindle(_)
+            | Meaning::Coolant(_)
+            | Meaning::ToolChange
+            | Meaning::Wait => return fault(Complaint::UnsupportedCode { code }),
         };
-        if plain && hundredths != 0 {
-            return fault(Complaint::Fraction { code });
-        }
         self.claim(group, code, word)
     }
 
     /// An M word.
-    fn m(&mut self, word: &Word, dialect: Dialect) -> Result<(), Fault> {
+    fn m(&mut self, word: &Word, rules: &Rules) -> Result<(), Fault> {
         let code = Code {
             letter: 'M',
             number: word.value,
         };
-        let linuxcnc = dialect == Dialect::LinuxCnc;
-        let (whole, hundredths) = parts(word.value);
-        if hundredths != 0 {
-            return Err(Fault::at(word.start, Complaint::Fraction { code }));
-        }
-        let group = match whole {
-            0 | 1 | 2 | 30 => {
-                self.stop = Some(match whole {
-                    0 => Stop::Pause,
-                    1 => Stop::OptionalPause,
-                    _ => Stop::End,
-                });
+        let fault = |complaint| Err(Fault::at(word.start, complaint));
+        let key = match rules.firmware {
+            true => {
+                let (whole, hundredths) = parts(word.value);
+                if hundredths != 0 {
+                    return fault(Complaint::Fraction { code });
+                }
+                Some(u32::from(whole) * 100)
+            }
+            false => hundredths_of(word.value),
+        };
+        let Some(meaning) = key.and_then(|k| rules.m(k)) else {
+            return fault(match word.value.fract() != 0.0 {
+                true => Complaint::Fraction { code },
+                false => Complaint::UnsupportedCode { code },
+            });
+        };
+        let group = match meaning {
+            Meaning::Stop(stop) => {
+                self.stop = Some(stop);
                 Group::Stop
             }
-            3..=5 => {
-                self.spindle = Some(match whole {
-                    3 => 1,
-                    4 => -1,
-                    _ => 0,
-                });
+            Meaning::Spindle(direction) => {
+                self.spindle = Some(direction);
                 Group::Spindle
             }
-            6 if linuxcnc => {
+            Meaning::Coolant(coolant) => {
+                self.coolant = Some(coolant);
+                Group::Coolant
+            }
+            Meaning::ToolChange => {
                 self.tool_change = true;
                 Group::ToolChange
             }
-            7 if linuxcnc => {
-                self.coolant = Some(Coolant::Mist);
-                Group::Coolant
+            Meaning::Wait => {
+                self.wait = true;
+                Group::Wait
             }
-            8 | 9 => {
-                self.coolant = Some(match whole {
-                    8 => Coolant::Flood,
-                    _ => Coolant::Off,
-                });
-                Group::Coolant
+            Meaning::Nothing(group, letters, _) => {
+                self.idle = self.idle.or(letters);
+                group
             }
-            _ => {
-                let complaint = Complaint::UnsupportedCode { code };
-                return Err(Fault::at(word.start, complaint));
-            }
+            Meaning::Refused(why) => return fault(RuleComplaint::Refused { code, why }.into()),
+            _ => return fault(Complaint::UnsupportedCode { code }),
         };
         self.claim(group, code, word)
     }
@@ -376,24 +387,25 @@ impl Block {
             let group = group.name();
             return Err(Fault::at(word.start, Complaint::SameGroup { code, group }));
         }
-        self.groups |= 1 << group as u16;
+        self.groups |= 1 << group as u32;
         self.group_at[group as usize] = word.start;
         Ok(())
     }
 
     /// Any other word.
     #[inline]
-    fn letter(&mut self, word: &Word, dialect: Dialect) -> Result<(), Fault> {
-        let (known, positive) = match dialect {
-            Dialect::Grbl => (GRBL_WORDS, GRBL_POSITIVE),
-            _ => (LINUXCNC_WORDS, LINUXCNC_POSITIVE),
-        };
+    fn letter(&mut self, word: &Word, rules: &Rules) -> Result<(), Fault> {
         let letter = char::from(word.letter);
         let fault = |complaint| Err(Fault::at(word.start, complaint));
-        if !known.has(word.letter) {
-            return fault(Complaint::UnsupportedWord { letter });
+        if !rules.letters.has(word.letter) {
+            return fault(
+                match rules.refused.iter().find(|(l, _)| *l == word.letter) {
+                    Some(&(_, why)) => RuleComplaint::RefusedWord { letter, why }.into(),
+                    None => Complaint::UnsupportedWord { letter },
+                },
+            );
         }
-        let limit = tool_limit(dialect);
+        let limit = rules.tool_limit;
         if word.letter == b'T' && word.value > f64::from(limit) {
             let number = word.value;
             return fault(Complaint::ToolNumber { number, limit });
@@ -401,8 +413,14 @@ impl Block {
         if self.letters.has(word.letter) {
             return fault(Complaint::Repeated { letter });
         }
-        if positive.has(word.letter) && word.value < 0.0 {
+        if word.value < 0.0 && rules.positive.has(word.letter) {
             return fault(Complaint::Negative { letter });
+        }
+        if word.point {
+            if rules.pointless.has(word.letter) {
+                return fault(RuleComplaint::PointForbidden { letter }.into());
+            }
+            self.pointed.add(word.letter);
         }
         let i = usize::from(word.letter - b'A');
         self.letters.add(word.letter);
@@ -448,7 +466,7 @@ mod tests {
             (Grbl, "G54 G54", 4, "SameGroup"),
             (Grbl, "G28 G92 X0", 4, "TwoAxisCommands"),
             (Grbl, "G49 G0", 4, "TwoAxisCommands"),
-            (LinuxCnc, "G81 X1", 0, "UnsupportedCode"),
+            (LinuxCnc, "G84 X1", 0, "Rule(Refused"),
             (LinuxCnc, "G0 X1 (open", 6, "CommentOpen"),
             (LinuxCnc, "(a (b))", 3, "CommentNested"),
             (LinuxCnc, "T100000", 0, "ToolNumber"),

@@ -6,9 +6,11 @@
 use super::arc;
 use super::block::{AXES, Block};
 use super::codes::{AxisUser, Group, Letters, NonModal, Path, ToolLength};
+use super::cycle::{self, Holes, Series};
 use super::dialect::Dialect;
 use super::error::{Complaint, Fault};
 use super::event::{Arc, MotionKind, Plane};
+use super::rules::{OffsetTwenty, RuleComplaint, Rules, ToolWord};
 use super::state::{Distance, FeedMode, MotionMode, Probe, State, Units};
 use crate::geom::{Point, Vector};
 use crate::units::{MmPerMin, Rpm, Seconds};
@@ -38,6 +40,7 @@ pub(super) enum Move {
         through: Option<Point>,
         to: Point,
     },
+    Holes(Holes),
 }
 
 /// What the block does to offsets and stored places.
@@ -49,12 +52,17 @@ pub(super) enum Offsets {
         index: usize,
         origin: Vector,
     },
-    /// G92: the new offset, and the place that the tool now has.
+    /// G92, G52 (`local`): the new offset, and the place that the tool now has.
     Shift {
         g92: Vector,
         position: Point,
+        local: bool,
     },
     ClearShift,
+    /// G92.2, G92.3: the offset in force from here on, the one to restore kept.
+    SwitchShift {
+        g92: Vector,
+    },
     StoreHome,
     StoreSecondHome,
 }
@@ -63,9 +71,14 @@ pub(super) enum Offsets {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Plan {
     pub feed_mode: FeedMode,
+    /// As it is carried on: mm/min, 1/min in G93, mm a turn in G95.
     pub feed: MmPerMin,
+    /// Of this block's motion: mm/min, 1/min in G93.
+    pub rate: MmPerMin,
+    pub rapid_feed: MmPerMin,
     pub speed: Rpm,
     pub tool: u32,
+    pub change: bool,
     pub dwell: Option<Seconds>,
     pub plane: Plane,
     pub units: Units,
@@ -73,6 +86,7 @@ pub(super) struct Plan {
     pub work_offset: usize,
     pub tlo: f64,
     pub offsets: Offsets,
+    pub series: Option<Series>,
     pub action: Move,
 }
 
@@ -96,15 +110,35 @@ impl Unused {
 /// Checks everything. Nothing is changed.
 pub(super) fn check(state: &State, block: &Block, line: Line) -> Result<Plan, Fault> {
     let dialect = state.dialect;
+    let rules = dialect.rules();
     let jog = line == Line::Jog;
-    let axes = block.letters.and(AXES);
+    let mut axes = block.letters.and(AXES);
     let at = |letter, complaint| Err(Fault::at(block.at(letter), complaint));
     let at_group = |group, complaint| Err(Fault::at(block.group_at(group), complaint));
     let mut unused = Unused(block.letters);
     unused.take(if jog { b"FN" } else { b"FNST" });
+    unused.0 = unused.0.without(block.idle);
 
-    if block.value(b'N') > MAX_LINE_NUMBER && dialect == Dialect::Grbl {
+    if block.value(b'N') > MAX_LINE_NUMBER && rules.firmware {
         return at(b'N', Complaint::LineNumber);
+    }
+    if block.has(b'O') && !block.has_codes_beyond(&[]) {
+        // The name of the program.
+        unused.take(b"O");
+    }
+    // The letter that tells a dwell's time tells nothing else: no feed, no speed, no axis.
+    let waits = match block.non_modal == Some(NonModal::Dwell) {
+        true => Some(dwell_of(block, rules)?),
+        false => None,
+    };
+    let dwell_letter = waits.map(|(letter, _)| letter);
+    let word = |letter: u8| block.get(letter).filter(|_| dwell_letter != Some(letter));
+    if let Some(letter @ b'X'..=b'Z') = dwell_letter {
+        axes = axes.without(Letters::of(match letter {
+            b'X' => b"X",
+            b'Y' => b"Y",
+            _ => b"Z",
+        }));
     }
 
     // Bare axis words continue the motion in force.
@@ -129,33 +163,49 @@ pub(super) fn check(state: &State, block: &Block, line: Line) -> Result<Plan, Fa
     } else if feed_mode == FeedMode::InverseTime
         && user == AxisUser::Motion
         && !matches!(motion, MotionMode::Rapid | MotionMode::None)
-        && !block.has(b'F')
+        && word(b'F').is_none()
     {
         return Err(Fault::at(block.start, Complaint::FeedMissing));
     }
-    let feed = match (feed_mode, block.get(b'F')) {
-        (FeedMode::PerMinute, Some(f)) => f * mm,
-        (FeedMode::PerMinute, None) if state.feed_mode == FeedMode::PerMinute => state.feed.0,
+    let speed = word(b'S').map_or(state.speed, Rpm);
+    let f = word(b'F');
+    let rapid_f = rules.rapid_feed_apart && motion == MotionMode::Rapid;
+    let feed = match (feed_mode, f.filter(|_| !rapid_f)) {
         (FeedMode::InverseTime, Some(f)) => f,
+        (_, Some(f)) => f * mm,
+        (FeedMode::InverseTime, None) => 0.0,
+        (mode, None) if mode == state.feed_mode => state.feed.0,
         (_, None) => 0.0,
     };
-
-    let mut dwell = None;
-    if block.non_modal == Some(NonModal::Dwell) {
-        let Some(p) = block.get(b'P') else {
-            let (command, word) = ("G4", "P (seconds)");
-            return at_group(Group::NonModal, Complaint::ValueMissing { command, word });
-        };
-        dwell = Some(Seconds(p));
-        unused.take(b"P");
+    let rate = match feed_mode {
+        FeedMode::PerTurn => feed * speed.0,
+        _ => feed,
+    };
+    let rapid_feed = match f {
+        _ if !rules.rapid_feed_apart => rate,
+        Some(f) if rapid_f => f * mm,
+        _ => state.rapid_feed.0,
+    };
+    let dwell = waits.map(|(_, time)| Seconds(time));
+    if let Some(letter) = dwell_letter {
+        unused.0 = unused.0.without(single(letter));
     }
 
     let plane = block.plane.unwrap_or(state.plane);
     let tlo = tool_length(state, block, axes, mm, &mut unused)?;
-    if dialect == Dialect::LinuxCnc && block.path == Some(Path::Blend) {
+    if block.path == Some(Path::Blend) {
         unused.take(b"PQ");
     }
-    let work_offset = block.work_offset.unwrap_or(state.work_offset);
+    let mut work_offset = block.work_offset.unwrap_or(state.work_offset);
+    let named = offset_word(block, rules);
+    if let Some((letter, base, most)) = named {
+        if dwell_letter == Some(letter) || block.idle.has(letter) {
+            let letter = char::from(letter);
+            return at(letter as u8, RuleComplaint::WantedTwice { letter }.into());
+        }
+        work_offset = base + whole_from_one(block, letter, most)? - 1;
+        unused.0 = unused.0.without(single(letter));
+    }
 
     // The frame behind the block's own changes of G5x and tool length. The machine has not moved.
     let moved = work_offset != state.work_offset || tlo != state.tlo;
@@ -169,13 +219,19 @@ pub(super) fn check(state: &State, block: &Block, line: Line) -> Result<Plan, Fa
     let mut offsets = Offsets::Keep;
     match block.non_modal {
         Some(NonModal::SetOffset) => {
-            offsets = set_offset(state, block, axes, mm, work_offset, tlo)?;
+            offsets = match rules.firmware {
+                true => set_offset(state, block, axes, mm, work_offset, tlo)?,
+                false => set_table_offset(state, block, rules, axes, mm, work_offset, tlo)?,
+            };
             unused.take(b"LP");
         }
         Some(NonModal::Shift) => {
             if !axes.any() {
                 let command = "G92";
                 return at_group(Group::NonModal, Complaint::AxisWordsMissing { command });
+            }
+            if state.local && dialect != Dialect::LinuxCnc && state.g92 != Vector::zeros() {
+                return at_group(Group::NonModal, RuleComplaint::TwoShifts.into());
             }
             let (mut g92, mut position) = (state.g92, start);
             for (i, letter) in (b'X'..=b'Z').enumerate() {
@@ -185,7 +241,46 @@ pub(super) fn check(state: &State, block: &Block, line: Line) -> Result<Plan, Fa
                     position[i] = v * mm;
                 }
             }
-            offsets = Offsets::Shift { g92, position };
+            let local = false;
+            offsets = Offsets::Shift {
+                g92,
+                position,
+                local,
+            };
+        }
+        Some(NonModal::Local) => {
+            if !axes.any() {
+                let command = "G52";
+                return at_group(Group::NonModal, Complaint::AxisWordsMissing { command });
+            }
+            if !state.local && dialect != Dialect::LinuxCnc && state.g92 != Vector::zeros() {
+                return at_group(Group::NonModal, RuleComplaint::TwoShifts.into());
+            }
+            let mut g92 = state.g92;
+            for (i, letter) in (b'X'..=b'Z').enumerate() {
+                if let Some(v) = block.get(letter) {
+                    g92[i] = v * mm;
+                }
+            }
+            let (position, local) = (start + state.g92 - g92, true);
+            offsets = Offsets::Shift {
+                g92,
+                position,
+                local,
+            };
+        }
+        Some(NonModal::ClearShift | NonModal::SuspendShift | NonModal::RestoreShift)
+            if !rules.firmware && axes.any() =>
+        {
+            return at_group(Group::NonModal, RuleComplaint::ShiftBesideMotion.into());
+        }
+        Some(NonModal::SuspendShift) => {
+            let g92 = Vector::zeros();
+            offsets = Offsets::SwitchShift { g92 };
+        }
+        Some(NonModal::RestoreShift) => {
+            let g92 = state.g92_kept;
+            offsets = Offsets::SwitchShift { g92 };
         }
         Some(NonModal::ClearShift) => offsets = Offsets::ClearShift,
         Some(NonModal::StoreHome) => offsets = Offsets::StoreHome,
@@ -197,13 +292,31 @@ pub(super) fn check(state: &State, block: &Block, line: Line) -> Result<Plan, Fa
     if machine && !matches!(motion, MotionMode::Rapid | MotionMode::Linear) {
         return at_group(Group::NonModal, Complaint::MachineNeedsStraight);
     }
-    let strict = dialect == Dialect::Grbl || user == AxisUser::Motion;
+    let strict = rules.firmware || user == AxisUser::Motion;
     if motion == MotionMode::None && axes.any() && strict {
         let first = (b'X'..=b'Z').find(|&l| block.has(l)).unwrap_or(b'X');
         return at(first, Complaint::AxisWordsWithoutMotion);
     }
 
     let distance = block.distance.unwrap_or(state.distance);
+    if machine && rules.machine_rapid {
+        if motion != MotionMode::Rapid {
+            return at_group(Group::NonModal, RuleComplaint::MachineIsRapid.into());
+        }
+        if distance == Distance::Incremental {
+            return at_group(Group::NonModal, RuleComplaint::MachineIncremental.into());
+        }
+    }
+    let drills = user == AxisUser::Motion && matches!(motion, MotionMode::Cycle(_));
+    if rules.pointed.any() {
+        let repeats = match (drills, rules.cycles) {
+            (true, Some(cycles)) => cycles.repeats,
+            _ => b"",
+        };
+        points(block, rules, units, |l| {
+            dwell_letter == Some(l) || repeats.contains(&l)
+        })?;
+    }
     let mut to = start;
     if axes.any() {
         for (i, letter) in (b'X'..=b'Z').enumerate() {
@@ -221,12 +334,31 @@ pub(super) fn check(state: &State, block: &Block, line: Line) -> Result<Plan, Fa
     }
 
     let mut action = Move::None;
+    let mut series = state
+        .series
+        .filter(|_| matches!(motion, MotionMode::Cycle(_)));
     match block.non_modal {
         Some(go @ (NonModal::GoHome | NonModal::GoSecondHome)) => {
             let stored = match go {
                 NonModal::GoHome => state.g28,
                 _ => state.g30,
             } - offset;
+            if rules.home_needs_axes && !axes.any() {
+                let command = if go == NonModal::GoHome { "G28" } else { "G30" };
+                return at_group(Group::NonModal, Complaint::AxisWordsMissing { command });
+            }
+            if rules.home_beside_motion && go == NonModal::GoSecondHome && block.has(b'P') {
+                if block.value(b'P') != 2.0 {
+                    let (letter, least, most) = ('P', 2, 2);
+                    let range = RuleComplaint::Range {
+                        letter,
+                        least,
+                        most,
+                    };
+                    return at(b'P', range.into());
+                }
+                unused.take(b"P");
+            }
             let mut home = stored;
             if axes.any() {
                 home = to;
@@ -241,7 +373,43 @@ pub(super) fn check(state: &State, block: &Block, line: Line) -> Result<Plan, Fa
                 to: home,
             };
         }
+        _ if drills => {
+            let (MotionMode::Cycle(kind), Some(cycles)) = (motion, rules.cycles) else {
+                return at_group(Group::Motion, RuleComplaint::OtherLanguage.into());
+            };
+            let setting = cycle::Setting {
+                state,
+                block,
+                rules: cycles,
+                plane,
+                distance,
+                feed_mode,
+                feed: MmPerMin(rate),
+                mm,
+                start: &start,
+                to: &to,
+            };
+            let (holes, kept, used) = cycle::plan(kind, &setting)?;
+            let taken = named.map(|(l, ..)| l).or(dwell_letter);
+            if let Some(letter) = taken.filter(|&l| used.has(l)) {
+                let letter = char::from(letter);
+                return at(letter as u8, RuleComplaint::WantedTwice { letter }.into());
+            }
+            if feed_mode == FeedMode::PerTurn && feed > 0.0 && rate == 0.0 {
+                return at_group(Group::Motion, RuleComplaint::FeedPerTurn.into());
+            }
+            unused.0 = unused.0.without(used);
+            series = Some(kept);
+            action = holes.map_or(Move::None, Move::Holes);
+        }
         _ if user == AxisUser::Motion || jog => {
+            if feed_mode == FeedMode::PerTurn
+                && feed > 0.0
+                && rate == 0.0
+                && !matches!(motion, MotionMode::Rapid | MotionMode::None)
+            {
+                return at_group(Group::Motion, RuleComplaint::FeedPerTurn.into());
+            }
             action = motion_of(Course {
                 state,
                 block,
@@ -281,13 +449,16 @@ pub(super) fn check(state: &State, block: &Block, line: Line) -> Result<Plan, Fa
     Ok(Plan {
         feed_mode,
         feed: MmPerMin(feed),
-        speed: block.get(b'S').map_or(state.speed, Rpm),
+        rate: MmPerMin(rate),
+        rapid_feed: MmPerMin(rapid_feed),
+        speed,
         tool: match (block.get(b'T'), dialect) {
             (Some(t), _) => t as u32,
             // GRBL forgets the tool with the next block that has no T.
             (None, Dialect::Grbl) => 0,
             (None, _) => state.tool,
         },
+        change: block.tool_change || (rules.tool_word == ToolWord::AtOnce && block.has(b'T')),
         dwell,
         plane,
         units,
@@ -295,8 +466,101 @@ pub(super) fn check(state: &State, block: &Block, line: Line) -> Result<Plan, Fa
         work_offset,
         tlo,
         offsets,
+        series,
         action,
     })
+}
+
+/// One letter as a set.
+fn single(letter: u8) -> Letters {
+    let mut set = Letters::default();
+    set.add(letter);
+    set
+}
+
+/// The word that tells a dwell's time, and the time, s.
+fn dwell_of(block: &Block, rules: &Rules) -> Result<(u8, f64), Fault> {
+    let here = |complaint| Err(Fault::at(block.group_at(Group::NonModal), complaint));
+    let mut found = rules.dwell.iter().filter(|(l, _)| block.has(*l));
+    let Some(&(letter, unit)) = found.next() else {
+        let (command, word) = ("G4", rules.dwell_words);
+        return here(Complaint::ValueMissing { command, word });
+    };
+    if found.next().is_some() {
+        return here(RuleComplaint::TwoDwells.into());
+    }
+    if block.value(letter) < 0.0 {
+        let letter = char::from(letter);
+        return Err(Fault::at(
+            block.at(letter as u8),
+            Complaint::Negative { letter },
+        ));
+    }
+    Ok((letter, cycle::time(block, letter, unit)?))
+}
+
+/// The word that names the block's work offset: letter, first offset, how many.
+fn offset_word(block: &Block, rules: &Rules) -> Option<(u8, usize, u32)> {
+    let by_p = || {
+        let (code, base, most) = rules.offset_p?;
+        let here = block.work_offset == Some(code) && block.has(b'P');
+        let free = !matches!(block.non_modal, Some(NonModal::Dwell | NonModal::SetOffset));
+        (here && free).then_some((b'P', base, most))
+    };
+    block.offset_word.or_else(by_p)
+}
+
+/// The letter's value, a whole number from 1 to `most`.
+fn whole_from_one(block: &Block, letter: u8, most: u32) -> Result<usize, Fault> {
+    let value = block.value(letter);
+    if value.fract() == 0.0 && (1.0..=f64::from(most)).contains(&value) {
+        return Ok(value as usize);
+    }
+    let offset = match block.has(letter) {
+        true => block.at(letter),
+        false => block.group_at(Group::WorkOffset),
+    };
+    let (letter, least) = (char::from(letter), 1);
+    let range = RuleComplaint::Range {
+        letter,
+        least,
+        most,
+    };
+    Err(Fault::at(offset, range.into()))
+}
+
+/// Words that must be written with a decimal point are.
+fn points(
+    block: &Block,
+    rules: &Rules,
+    units: Units,
+    exempt: impl Fn(u8) -> bool,
+) -> Result<(), Fault> {
+    let mut need = rules.pointed;
+    if units == Units::Inch {
+        // In millimetres a plain F is mm/min everywhere; in inches it may count hundredths.
+        need.add(b'F');
+    }
+    let without = block.letters.and(need).without(block.pointed);
+    if !without.any() {
+        return Ok(());
+    }
+    let bad = without
+        .without(block.idle)
+        .iter()
+        .filter(|&l| block.value(l) != 0.0 && !exempt(l))
+        .min_by_key(|&l| block.at(l));
+    match bad {
+        None => Ok(()),
+        Some(letter) => {
+            let offset = block.at(letter);
+            let letter = char::from(letter);
+            Err(Fault::at(
+                offset,
+                RuleComplaint::PointMissing { letter }.into(),
+            ))
+        }
+    }
 }
 
 /// G43, G43.1, G49: the tool length offset behind the block.
@@ -324,6 +588,10 @@ fn tool_length(
             block.value(b'Z') * mm
         }
         Some(ToolLength::Table) => {
+            if state.dialect.rules().length_needs_h && !block.has(b'H') {
+                let (command, word) = ("the tool length", "H (which length)");
+                return fault(None, Complaint::ValueMissing { command, word });
+            }
             let h = block.value(b'H');
             if h.fract() != 0.0 || h > 1e6 {
                 let (letter, least) = ('H', 0);
@@ -382,6 +650,63 @@ fn set_offset(
     Ok(Offsets::Work { index, origin })
 }
 
+/// G10 of every dialect but GRBL's own.
+fn set_table_offset(
+    state: &State,
+    block: &Block,
+    rules: &Rules,
+    axes: Letters,
+    mm: f64,
+    active: usize,
+    tlo: f64,
+) -> Result<Offsets, Fault> {
+    let here = |complaint| Err(Fault::at(block.group_at(Group::NonModal), complaint));
+    if !axes.any() {
+        return here(Complaint::AxisWordsMissing { command: "G10" });
+    }
+    if !block.has(b'P') || !block.has(b'L') {
+        let (command, word) = ("G10", "P (which offset) and an L (2 or 20)");
+        return here(Complaint::ValueMissing { command, word });
+    }
+    if block.has(b'R') {
+        return Err(Fault::at(block.at(b'R'), Complaint::OffsetRotation));
+    }
+    let twenty = match block.value(b'L') {
+        2.0 => false,
+        20.0 => true,
+        _ => return here(Complaint::OffsetKind),
+    };
+    // P0 is the active offset to NIST's children, all offsets together to Fanuc.
+    let industry = rules.offsets_add;
+    let (base, most) = match (twenty, rules.twenty) {
+        (true, OffsetTwenty::Further(most)) => (6, most),
+        (true, OffsetTwenty::No) => {
+            let why = "G10 L20 is not there on this control; use L2";
+            let complaint = RuleComplaint::RefusedWord { letter: 'L', why };
+            return Err(Fault::at(block.at(b'L'), complaint.into()));
+        }
+        _ => (0, rules.offsets as u32),
+    };
+    let index = match block.value(b'P') {
+        0.0 if !industry => active,
+        _ => base + whole_from_one(block, b'P', most)? - 1,
+    };
+    let measured = twenty && rules.twenty == OffsetTwenty::Measured;
+    let distance = block.distance.unwrap_or(state.distance);
+    let mut origin = state.origin_of(index);
+    let machine = state.machine_position();
+    for (i, letter) in (b'X'..=b'Z').enumerate() {
+        let Some(v) = block.get(letter) else { continue };
+        let length = if i == 2 { tlo } else { 0.0 };
+        origin[i] = match distance {
+            _ if measured => machine[i] - state.g92[i] - length - v * mm,
+            Distance::Incremental if industry => origin[i] + v * mm,
+            _ => v * mm,
+        };
+    }
+    Ok(Offsets::Work { index, origin })
+}
+
 /// A motion command with what it needs.
 struct Course<'a> {
     state: &'a State,
@@ -414,7 +739,7 @@ fn motion_of(course: Course) -> Result<Move, Fault> {
     let here = |complaint| Err(Fault::at(block.group_at(Group::Motion), complaint));
     let to = *to;
     let kind = match motion {
-        MotionMode::None => return Ok(Move::None),
+        MotionMode::None | MotionMode::Cycle(_) => return Ok(Move::None),
         MotionMode::Rapid => MotionKind::Rapid,
         _ => MotionKind::Feed,
     };
@@ -422,10 +747,9 @@ fn motion_of(course: Course) -> Result<Move, Fault> {
         return here(Complaint::FeedMissing);
     }
     match motion {
-        MotionMode::None | MotionMode::Rapid | MotionMode::Linear if !moves => Ok(Move::None),
-        MotionMode::None | MotionMode::Rapid | MotionMode::Linear => {
-            Ok(Move::Straight { kind, to, machine })
-        }
+        MotionMode::None | MotionMode::Cycle(_) => Ok(Move::None),
+        MotionMode::Rapid | MotionMode::Linear if !moves => Ok(Move::None),
+        MotionMode::Rapid | MotionMode::Linear => Ok(Move::Straight { kind, to, machine }),
         MotionMode::Probe(probe) => {
             if !moves {
                 return here(Complaint::AxisWordsMissing { command: "G38" });
@@ -437,12 +761,11 @@ fn motion_of(course: Course) -> Result<Move, Fault> {
         }
         MotionMode::ArcClockwise | MotionMode::ArcCounterclockwise => {
             let clockwise = motion == MotionMode::ArcClockwise;
-            let linuxcnc = state.dialect == Dialect::LinuxCnc;
+            let rules = state.dialect.rules();
             let (axis_names, words) = arc::names(plane);
             let [a, b, _] = plane.axes();
             let in_plane = |first: u8| block.has(first + a as u8) || block.has(first + b as u8);
-            // LinuxCNC takes a full circle without an end point.
-            let whole = linuxcnc && in_plane(b'I') && !block.has(b'R');
+            let whole = rules.whole_circle && in_plane(b'I') && !block.has(b'R');
             if !moves && !whole {
                 return here(Complaint::AxisWordsMissing {
                     command: if clockwise { "G2" } else { "G3" },
@@ -457,7 +780,7 @@ fn motion_of(course: Course) -> Result<Move, Fault> {
                 match arc::by_radius(plane, start, &to, r * mm, clockwise) {
                     Ok(Some(arc)) => arc,
                     // No centre exists. The firmware, in the build that was seen, goes straight there.
-                    Ok(None) if !linuxcnc => {
+                    Ok(None) if rules.firmware => {
                         return Ok(Move::Straight { kind, to, machine });
                     }
                     Ok(None) => return here(Complaint::ArcNowhere),
@@ -478,13 +801,15 @@ fn motion_of(course: Course) -> Result<Move, Fault> {
                         };
                     }
                 }
-                match arc::by_center(state.dialect, plane, start, &to, &center, clockwise) {
+                match arc::by_center(rules, plane, start, &to, &center, clockwise) {
                     Ok(arc) => arc,
                     Err(complaint) => return here(complaint),
                 }
             };
             let mut arc = arc;
-            if linuxcnc && let Some(turns) = block.get(b'P') {
+            if rules.turns
+                && let Some(turns) = block.get(b'P')
+            {
                 let whole_turns = turns.fract() == 0.0 && (1.0..=1e6).contains(&turns);
                 if !whole_turns && block.non_modal != Some(NonModal::Dwell) {
                     let (letter, least) = ('P', 1);

@@ -7,7 +7,7 @@ pub(super) enum AxisUser {
     Nobody,
     /// G0 to G3, G38.x.
     Motion,
-    /// G10, G28, G30, G92.
+    /// G10, G28, G30, G52, G92.
     NonModal,
     /// G43.1, G49.
     ToolLength,
@@ -34,6 +34,12 @@ pub(super) enum NonModal {
     Shift,
     /// G92.1.
     ClearShift,
+    /// G92.2.
+    SuspendShift,
+    /// G92.3.
+    RestoreShift,
+    /// G52.
+    Local,
 }
 
 /// G43, G43.1, G49.
@@ -86,10 +92,26 @@ pub(super) enum Group {
     ToolChange,
     Spindle,
     Coolant,
+    Cycle,
+    Retract,
+    Scaling,
+    Mirror,
+    Rotation,
+    Polar,
+    Macro,
+    ExactStop,
+    Stroke,
+    SpindleMode,
+    Smoothing,
+    Data,
+    Override,
+    Chips,
+    Motors,
+    Wait,
 }
 
 /// How many there are.
-pub(super) const GROUPS: usize = 15;
+pub(super) const GROUPS: usize = 31;
 
 impl Group {
     /// What the group sets, for messages.
@@ -110,6 +132,22 @@ impl Group {
             Group::ToolChange => "tool change",
             Group::Spindle => "spindle",
             Group::Coolant => "coolant",
+            Group::Cycle => "drilling cycles",
+            Group::Retract => "level behind a cycle",
+            Group::Scaling => "scaling",
+            Group::Mirror => "mirror image",
+            Group::Rotation => "rotation",
+            Group::Polar => "polar coordinates",
+            Group::Macro => "macro calls",
+            Group::ExactStop => "exact stop",
+            Group::Stroke => "stroke check",
+            Group::SpindleMode => "spindle mode",
+            Group::Smoothing => "smoothing",
+            Group::Data => "data input",
+            Group::Override => "overrides",
+            Group::Chips => "chip conveyor",
+            Group::Motors => "motors",
+            Group::Wait => "waiting",
         }
     }
 }
@@ -139,6 +177,10 @@ impl Letters {
     #[inline]
     pub fn and(self, other: Letters) -> Letters {
         Letters(self.0 & other.0)
+    }
+    #[inline]
+    pub fn or(self, other: Letters) -> Letters {
+        Letters(self.0 | other.0)
     }
     #[inline]
     pub fn without(self, other: Letters) -> Letters {

@@ -5,6 +5,7 @@
 
 use super::expression::ExpressionComplaint;
 use super::program::FlowComplaint;
+use super::rules::RuleComplaint;
 use super::word::MAX_COLUMN;
 
 /// A mistake in a program: line and column (characters, both from 1) and what is wrong there.
@@ -235,6 +236,9 @@ pub enum Complaint {
     /// Variables and expressions.
     #[error(transparent)]
     Expression(ExpressionComplaint),
+    /// Other dialects than GRBL only.
+    #[error(transparent)]
+    Rule(#[from] RuleComplaint),
 }
 
 /// A complaint with its place as a byte offset in the line; the caller turns that into a line and a column.

@@ -5,7 +5,8 @@
 
 use super::block::Block;
 use super::check::{Move, Offsets, Plan};
-use super::codes::{Coolant, Path, Stop, ToolLength};
+use super::codes::{Coolant, Group, Path, Stop, ToolLength};
+use super::cycle;
 use super::event::{Event, Motion, MotionKind, Plane};
 use super::state::{Distance, FeedMode, MotionMode, PathMode, State};
 use crate::geom::{Point, Vector};
@@ -20,10 +21,11 @@ pub(super) fn execute(
 ) {
     state.feed_mode = plan.feed_mode;
     state.feed = plan.feed;
+    state.rapid_feed = plan.rapid_feed;
     let new_speed = plan.speed != state.speed;
     state.speed = plan.speed;
     state.tool = plan.tool;
-    if block.tool_change {
+    if plan.change {
         // The spindle stops for the change.
         state.spindle = 0;
         let tool = state.tool;
@@ -50,13 +52,16 @@ pub(super) fn execute(
             events.push(Event::Coolant { flood, mist, line });
         }
     }
+    if block.wait {
+        events.push(Event::Sync { line });
+    }
     if let Some(time) = plan.dwell {
         events.push(Event::Dwell { time, line });
     }
     state.plane = plan.plane;
     state.units = plan.units;
 
-    if block.work_offset.is_some() || block.tool_length.is_some() {
+    if block.seen(Group::WorkOffset) || block.tool_length.is_some() {
         frame(state, block, plan, line, events);
     }
 
@@ -75,12 +80,16 @@ pub(super) fn execute(
             },
         };
     }
+    if let Some(retract) = block.retract {
+        state.retract = retract;
+    }
+    state.motion = plan.motion;
+    state.series = plan.series;
     let mut shift = Vector::zeros();
     if block.non_modal.is_some() {
         shift = offsets(state, plan, line, events);
     }
-    state.motion = plan.motion;
-    travel(state, &plan.action, shift, line, events);
+    travel(state, plan, shift, line, events);
     match block.stop {
         None => {}
         Some(stop @ (Stop::Pause | Stop::OptionalPause)) => events.push(Event::Pause {
@@ -120,29 +129,39 @@ fn offsets(state: &mut State, plan: &Plan, line: usize, events: &mut Vec<Event>)
     match plan.offsets {
         Offsets::Keep => return shift,
         Offsets::Work { index, origin } => {
-            if let Some(g5x) = state.g5x.get_mut(index) {
-                *g5x = origin;
-            }
+            state.set_origin(index, origin);
             state.set_machine_position(&machine);
         }
-        Offsets::Shift { g92, position } => {
-            state.g92 = g92;
+        Offsets::Shift {
+            g92,
+            position,
+            local,
+        } => {
+            (state.g92, state.g92_kept, state.local) = (g92, g92, local);
             state.position = position;
         }
         Offsets::ClearShift => {
             shift = state.g92;
-            state.g92 = Vector::zeros();
+            (state.g92, state.g92_kept) = (Vector::zeros(), Vector::zeros());
+            state.local = false;
+            state.position += shift;
+        }
+        Offsets::SwitchShift { g92 } => {
+            shift = state.g92 - g92;
+            state.g92 = g92;
             state.position += shift;
         }
         Offsets::StoreHome => state.g28 = machine,
         Offsets::StoreSecondHome => state.g30 = machine,
     }
+    // The levels of a series of cycles were told in other coordinates.
+    state.series = None;
     events.push(Event::Sync { line });
     shift
 }
 
 /// The block's motion.
-fn travel(state: &mut State, action: &Move, shift: Vector, line: usize, events: &mut Vec<Event>) {
+fn travel(state: &mut State, plan: &Plan, shift: Vector, line: usize, events: &mut Vec<Event>) {
     let motion = |state: &mut State, kind: MotionKind, to: Point| {
         let from = std::mem::replace(&mut state.position, to);
         Motion {
@@ -150,13 +169,17 @@ fn travel(state: &mut State, action: &Move, shift: Vector, line: usize, events: 
             from,
             to,
             arc: None,
-            feed: state.feed,
+            feed: match kind {
+                MotionKind::Rapid => plan.rapid_feed,
+                MotionKind::Feed => plan.rate,
+            },
             inverse_time: state.feed_mode == FeedMode::InverseTime,
             machine_coordinates: false,
             line,
         }
     };
-    match *action {
+    match plan.action {
+        Move::Holes(ref holes) => cycle::drill(holes, state, shift, line, events),
         Move::None => {}
         Move::Straight { kind, to, machine } => {
             let m = motion(state, kind, to + shift);
@@ -200,6 +223,7 @@ fn end(state: &mut State) {
     state.motion = MotionMode::Linear;
     state.plane = Plane::Xy;
     state.distance = Distance::Absolute;
+    state.series = None;
     if state.feed_mode == FeedMode::InverseTime {
         state.feed_mode = FeedMode::PerMinute;
     }

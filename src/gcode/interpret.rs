@@ -11,6 +11,7 @@ use super::error::{Complaint, Fault, InterpretError};
 use super::event::{Event, Motion, MotionKind};
 use super::execute::execute;
 use super::program::{FlowComplaint, Interpreter, Reading};
+use super::rules::BlockDelete;
 use super::state::State;
 use std::io::Cursor;
 
@@ -58,7 +59,10 @@ pub(super) fn carry_out(
     events: &mut Vec<Event>,
 ) -> Result<(), Fault> {
     if state.block_delete
-        && state.dialect == Dialect::LinuxCnc
+        && matches!(
+            state.dialect.rules().block_delete,
+            BlockDelete::Switch | BlockDelete::Levels
+        )
         && text.trim_start().starts_with('/')
     {
         return Ok(());

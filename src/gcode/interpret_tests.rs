@@ -33,7 +33,7 @@ fn number(c: &Complaint) -> u8 {
         ToolLengthAxis => 37,
         ToolNumber { .. } => 38,
         ArcRadiusZero | CommentOpen | CommentNested | WholeNumber { .. } => 20,
-        Flow(_) | Expression(_) => 20,
+        Flow(_) | Expression(_) | Rule(_) => 20,
     }
 }
 
@@ -50,7 +50,7 @@ fn modes(s: &State) -> String {
             (true, true) => "G38.4",
             (true, false) => "G38.5",
         },
-        MotionMode::None => "G80",
+        MotionMode::None | MotionMode::Cycle(_) => "G80",
     };
     let plane = match s.plane {
         Plane::Xy => 17,

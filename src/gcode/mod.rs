@@ -23,7 +23,9 @@ mod arc;
 mod block;
 mod check;
 mod codes;
+pub mod cycle;
 pub mod dialect;
+mod envelope;
 pub mod error;
 pub mod event;
 mod execute;
@@ -33,6 +35,7 @@ mod heidenhain;
 pub mod interpret;
 mod parameter;
 pub mod program;
+pub mod rules;
 mod siemens;
 pub mod source;
 pub mod state;
@@ -46,4 +49,4 @@ pub use interpret::{
     MAX_ERRORS, Program, interpret, interpret_from, interpret_jog, interpret_line, lines,
 };
 pub use program::{Comment, FlowComplaint, Interpreter, Reading};
-pub use state::{Distance, FeedMode, MotionMode, PathMode, Probe, State, Units};
+pub use state::{Distance, FeedMode, MotionMode, PathMode, Probe, Retract, State, Units};

@@ -8,6 +8,7 @@
 //!
 //! All in mm. Changing an offset moves nothing: the machine position stays and the work position changes.
 
+use super::cycle::{Cycle, Series};
 use super::dialect::Dialect;
 use super::event::Plane;
 use crate::geom::{Point, Vector};
@@ -26,6 +27,8 @@ pub enum MotionMode {
     ArcCounterclockwise,
     /// G38.2 to G38.5.
     Probe(Probe),
+    /// G73, G81 to G89.
+    Cycle(Cycle),
     /// G80.
     None,
 }
@@ -48,13 +51,24 @@ pub enum Distance {
     Incremental,
 }
 
-/// G93 or G94.
+/// G98 or G99: where a drilling cycle leaves the tool.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Retract {
+    /// G98: on the level that the series of cycles started from.
+    Initial,
+    /// G99: on the R level.
+    R,
+}
+
+/// G93, G94 or G95.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FeedMode {
     /// G94: F is a speed.
     PerMinute,
     /// G93: F is the reciprocal of the minutes that the block takes, and must stand in every cutting block.
     InverseTime,
+    /// G95: F is a way per turn of the spindle.
+    PerTurn,
 }
 
 /// G20 or G21.
@@ -109,7 +123,7 @@ pub struct State {
     pub units: Units,
     /// G61, G64.
     pub path: PathMode,
-    /// Active work offset: 0 is G54, 5 is G59. Always below 6.
+    /// Active work offset: 0 is G54, 5 is G59, from 6 on the dialect's further ones (G59.1, G54.1 P1, G110).
     pub work_offset: usize,
     /// 1 clockwise (M3), -1 counter-clockwise (M4), 0 stopped (M5).
     pub spindle: i8,
@@ -140,6 +154,18 @@ pub struct State {
     pub g30: Point,
     /// LinuxCNC: the operator's block-delete switch is on, and lines that begin with `/` are skipped. GRBL has none.
     pub block_delete: bool,
+    /// Origins of the work offsets from 6 on; those not there are zero.
+    pub further: Vec<Vector>,
+    /// G98, G99.
+    pub retract: Retract,
+    /// The series of drilling cycles in force.
+    pub series: Option<Series>,
+    /// Speed of rapids where a dialect has F for them (Smoothieware); zero: as fast as the machine goes.
+    pub rapid_feed: MmPerMin,
+    /// `g92` was set by G52.
+    pub local: bool,
+    /// What G92.3 brings back.
+    pub g92_kept: Vector,
 }
 
 impl State {
@@ -154,7 +180,9 @@ impl State {
             feed_mode: FeedMode::PerMinute,
             units: Units::Mm,
             path: match dialect {
-                Dialect::Grbl => PathMode::ExactPath,
+                Dialect::Grbl | Dialect::GrblHal | Dialect::FluidNc | Dialect::Carbide => {
+                    PathMode::ExactPath
+                }
                 _ => PathMode::Blend { tolerance: None },
             },
             work_offset: 0,
@@ -172,6 +200,12 @@ impl State {
             g28: Point::origin(),
             g30: Point::origin(),
             block_delete: false,
+            further: Vec::new(),
+            retract: Retract::Initial,
+            series: None,
+            rapid_feed: MmPerMin(0.0),
+            local: false,
+            g92_kept: Vector::zeros(),
         }
     }
 
@@ -181,6 +215,7 @@ impl State {
         let mut fresh = State::new(self.dialect);
         (fresh.g5x, fresh.g28, fresh.g30) = (self.g5x, self.g28, self.g30);
         fresh.block_delete = self.block_delete;
+        fresh.further = std::mem::take(&mut self.further);
         *self = fresh;
         self.set_machine_position(&machine);
     }
@@ -192,8 +227,29 @@ impl State {
 
     /// The same with another work offset and tool length.
     pub(super) fn offset_of(&self, work_offset: usize, tlo: f64) -> Vector {
-        let g5x = self.g5x.get(work_offset).copied().unwrap_or_default();
-        g5x + self.g92 + Vector::new(0.0, 0.0, tlo)
+        self.origin_of(work_offset) + self.g92 + Vector::new(0.0, 0.0, tlo)
+    }
+
+    /// Origin of a work offset, machine coordinates less G92 and tool length.
+    pub(super) fn origin_of(&self, work_offset: usize) -> Vector {
+        let further = || self.further.get(work_offset.wrapping_sub(6));
+        let origin = self.g5x.get(work_offset).or_else(further);
+        origin.copied().unwrap_or_default()
+    }
+
+    /// Sets the origin of a work offset.
+    pub(super) fn set_origin(&mut self, work_offset: usize, origin: Vector) {
+        if let Some(g5x) = self.g5x.get_mut(work_offset) {
+            *g5x = origin;
+            return;
+        }
+        let at = work_offset - self.g5x.len();
+        if self.further.len() <= at {
+            self.further.resize(at + 1, Vector::zeros());
+        }
+        if let Some(further) = self.further.get_mut(at) {
+            *further = origin;
+        }
     }
 
     /// A work position in machine coordinates.

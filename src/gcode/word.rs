@@ -6,6 +6,7 @@
 
 use super::dialect::Dialect;
 use super::error::{Complaint, Fault};
+use super::rules::BlockDelete;
 use nom::bytes::complete::{take_till, take_while};
 use nom::{IResult, Parser};
 
@@ -23,6 +24,8 @@ pub struct Word {
     pub start: u32,
     /// Byte offset behind the last digit.
     pub end: u32,
+    /// The number was written with a decimal point.
+    pub point: bool,
 }
 
 /// The words of one line, read on demand: an early complaint about a word's meaning comes before a late one about spelling,
@@ -42,10 +45,7 @@ const POW10: [f64; 23] = [
 
 /// GRBL reads eight digits, leading zeros among them, and takes the rest for zeros. LinuxCNC: all that f64 can hold.
 fn digits_read(dialect: Dialect) -> u32 {
-    match dialect {
-        Dialect::Grbl => 8,
-        _ => 18,
-    }
+    dialect.rules().digits
 }
 
 /// `( ... )` up to the first `)` or the end of the line; `;` to the end of the line.
@@ -80,7 +80,7 @@ fn gap(dialect: Dialect) -> impl Fn(&[u8]) -> IResult<&[u8], ()> {
 
 /// Sign, digits, at most one dot; blanks between any of them.
 #[inline]
-fn number(dialect: Dialect) -> impl Fn(&[u8]) -> IResult<&[u8], f64> {
+fn number(dialect: Dialect) -> impl Fn(&[u8]) -> IResult<&[u8], (f64, bool)> {
     move |i| {
         let most = digits_read(dialect);
         let gap = gap(dialect);
@@ -130,7 +130,7 @@ fn number(dialect: Dialect) -> impl Fn(&[u8]) -> IResult<&[u8], f64> {
             // Only an absurdly long number comes here; it may become infinite, which the words' own checks refuse.
             value *= 10f64.powi(exponent);
         }
-        Ok((i, if negative { -value } else { value }))
+        Ok((i, (if negative { -value } else { value }, dot)))
     }
 }
 
@@ -138,10 +138,14 @@ impl<'a> Words<'a> {
     /// The words of one line, without its line end.
     pub fn new(line: &'a str, dialect: Dialect) -> Words<'a> {
         let line = line.as_bytes();
-        // LinuxCNC's block delete: one slash at the very front; whether the line is skipped is the caller's business.
+        // Block delete: one slash at the very front; whether the line is skipped is the caller's business.
         let front = line.iter().position(|&b| b > b' ').unwrap_or(line.len());
-        let rest = match (dialect, line.get(front)) {
-            (Dialect::LinuxCnc, Some(b'/')) => line.get(front + 1..).unwrap_or_default(),
+        let rest = match (dialect.rules().block_delete, line.get(front)) {
+            (BlockDelete::Switch, Some(b'/')) => line.get(front + 1..).unwrap_or_default(),
+            (BlockDelete::Levels, Some(b'/')) => match line.get(front + 1) {
+                Some(b'1'..=b'9') => line.get(front + 2..).unwrap_or_default(),
+                _ => line.get(front + 1..).unwrap_or_default(),
+            },
             _ => line,
         };
         Words {
@@ -180,13 +184,14 @@ impl<'a> Words<'a> {
             return Some(Err(Fault::at(start, Complaint::ExpectedLetter { found })));
         }
         match number(self.dialect)(behind) {
-            Ok((rest, value)) if value.is_finite() => {
+            Ok((rest, (value, point))) if value.is_finite() => {
                 self.rest = rest;
                 Some(Ok(Word {
                     letter,
                     value,
                     start,
                     end: self.offset(rest),
+                    point,
                 }))
             }
             _ => {

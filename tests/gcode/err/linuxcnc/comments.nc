@@ -3,7 +3,7 @@
 ; 11:10 P must be a whole number of 1 or more
 ; 12:5 H must be a whole number of 0 or more
 ; 13:1 the arc's centre is its start: give the centre by I J K, not zero
-; 14:1 G81 is not a command of this controller: remove it, or post the program for this dialect
+; 14:1 the drilling cycle needs Z (the bottom of the hole): add it
 ; 15:4 the line ends where a value should stand: complete the expression
 ; 16:5 the bracket is not closed: put ] behind the expression
 G0 X1 (not closed
