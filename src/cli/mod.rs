@@ -17,6 +17,7 @@ mod progress;
 mod rest_picture;
 pub mod send;
 mod show;
+pub mod sources;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -82,6 +83,7 @@ pub fn main() -> ExitCode {
         ));
         return ExitCode::from(2);
     }
+    sources::hand_in();
     let outcome = match cli.command {
         Command::Mill(a) => mill::run(&a),
         Command::Features(a) => features::run(&a),
