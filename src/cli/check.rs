@@ -7,9 +7,7 @@ use super::mill::StockArg;
 use super::output::{to_stdout, write_json, write_whole};
 use super::progress::Progress;
 use super::show::{clock, motion};
-use crate::machine::Machine;
 use crate::picture::{Gouge, HeatMap, Raster, heat_map};
-use crate::post::Post;
 use crate::reach::DropCutter;
 
 use crate::simulate::{DryRun, DryRunOptions, PartContext, Stock, dry_run, judging_step};
@@ -83,9 +81,9 @@ struct PartFigures {
 /// Judges a program. Exit 0: nothing speaks against it; 1: problems; errors are for what could not be judged.
 pub fn run(args: &CheckArgs) -> Result<ExitCode, Failure> {
     args.tool.check()?;
-    let machine = Machine::load(&args.machine).map_err(Failure::failed)?;
-    let post =
-        Post::load(args.post.as_deref().unwrap_or(&machine.post)).map_err(Failure::failed)?;
+    let machine = super::sources::machine(&args.machine).map_err(Failure::failed)?;
+    let post = super::sources::post(args.post.as_deref().unwrap_or(&machine.post))
+        .map_err(Failure::failed)?;
     let dialect = dialect_of(&post).map_err(Failure::failed)?;
     let text = read_program(&args.program).map_err(Failure::Failed)?;
     let mut progress = Progress::new();

@@ -3,7 +3,6 @@
 use super::output::say;
 use super::send::pace;
 use crate::controller::{Controller, Pace, Pty};
-use crate::machine::Machine;
 use std::io::Write;
 use std::sync::mpsc;
 
@@ -36,7 +35,7 @@ fn serve(args: &ControllerArgs, out: &mut dyn Write) -> Result<(), String> {
     if !args.pty {
         return Err("say how to reach it: --pty".to_string());
     }
-    let machine = Machine::load(&args.machine).map_err(|e| e.to_string())?;
+    let machine = super::sources::machine(&args.machine).map_err(|e| e.to_string())?;
     let (sender, receiver) = mpsc::channel();
     ctrlc::set_handler(move || _ = sender.send(()))
         .map_err(|e| format!("Ctrl-C cannot be caught: {e}"))?;

@@ -20,6 +20,7 @@ mod proven;
 mod rest_picture;
 pub mod send;
 mod show;
+pub mod sources;
 pub mod translate;
 
 use clap::{Parser, Subcommand};
@@ -92,6 +93,7 @@ pub fn main() -> ExitCode {
         ));
         return ExitCode::from(2);
     }
+    sources::hand_in();
     let outcome = match cli.command {
         Command::Mill(a) => mill::run(&a),
         Command::Features(a) => features::run(&a),

@@ -132,7 +132,7 @@ pub fn options(args: &ProgramArgs, tolerance: Option<Mm>) -> Options {
 
 /// The dialect to write in, with the units asked for.
 pub fn load_post(name: &str, args: &ProgramArgs) -> Result<Post, Failure> {
-    let mut post = Post::load(name).map_err(Failure::failed)?;
+    let mut post = super::sources::post(name).map_err(Failure::failed)?;
     match args.units {
         None => {}
         Some(ProgramUnits::Mm) => post.units = Units::Mm,

@@ -107,7 +107,7 @@ fn cannot(message: impl ToString) -> Failure {
 }
 
 fn send(args: &SendArgs, out: &mut dyn Write) -> Result<u8, Failure> {
-    let machine = Machine::load(&args.machine).map_err(cannot)?;
+    let machine = super::sources::machine(&args.machine).map_err(cannot)?;
     if args.port.starts_with("tcp://") {
         return Err(cannot(
             "--port tcp://... is not supported yet: use a serial device, or `sim`",

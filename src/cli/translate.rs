@@ -3,7 +3,6 @@
 use super::Failure;
 use super::proven::{Lines, ProgramArgs, Steps, load_post, options, prove, tell};
 use crate::gcode::{Dialect, Interpreter, Reading};
-use crate::post::Post;
 use crate::translate::{self, unknown_state};
 use crate::units::Mm;
 use crate::verify::dialect_of;
@@ -71,7 +70,7 @@ pub fn run(args: &TranslateArgs) -> Result<ExitCode, Failure> {
     let dialect = match Dialect::from_name(&args.from) {
         Some(d) => d,
         None => {
-            let from = Post::load(&args.from).map_err(Failure::failed)?;
+            let from = super::sources::post(&args.from).map_err(Failure::failed)?;
             dialect_of(&from).map_err(Failure::failed)?
         }
     };

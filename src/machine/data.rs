@@ -264,58 +264,22 @@ fn plain(message: &str) -> String {
         .replace("a sequence", "a list")
 }
 
-/// The text and name behind `name_or_path`: one of `built_in` (name, text), or a file when it contains a `/` or ends in `.toml`.
-/// Returns the short name, the name for complaints, and the text.
+/// The text and name behind `name_or_path`: a file when it contains a `/` or ends in `.toml`; else `NAME.toml` in the user's own
+/// directories ([`super::search`]), else one of `built_in` (name, text). Returns the short name, the name for complaints, and the text.
 pub fn find(
     kind: &str,
     folder: &str,
     built_in: &[(&str, &str)],
     name_or_path: &str,
 ) -> Result<(String, String, String), DataError> {
-    let is_path = name_or_path.contains(['/', '\\']) || name_or_path.ends_with(".toml");
-    if !is_path {
-        if let Some((name, text)) = built_in.iter().find(|(n, _)| *n == name_or_path) {
-            return Ok((
-                name.to_string(),
-                format!("{folder}/{name}.toml"),
-                text.to_string(),
-            ));
-        }
-        return Err(DataError::UnknownName {
-            kind: kind.to_string(),
-            name: name_or_path.to_string(),
-            nearest: nearest(name_or_path, built_in.iter().map(|(n, _)| *n)),
-            known: built_in.iter().map(|(n, _)| n.to_string()).collect(),
-        });
-    }
-    let refuse = |problem: String| DataError::Unreadable {
-        kind: kind.to_string(),
-        path: name_or_path.to_string(),
-        problem,
-    };
-    let path = std::path::Path::new(name_or_path);
-    let meta = std::fs::metadata(path).map_err(|e| refuse(e.to_string()))?;
-    if !meta.is_file() {
-        return Err(refuse("it is not a file: name a .toml file".to_string()));
-    }
-    if meta.len() > MOST_BYTES {
-        return Err(refuse(format!(
-            "it has {} bytes, and such a file is a page of text: is this the right file?",
-            meta.len()
-        )));
-    }
-    let bytes = std::fs::read(path).map_err(|e| refuse(e.to_string()))?;
-    let text = String::from_utf8(bytes)
-        .map_err(|_| refuse("it is not text (UTF-8): is this the right file?".to_string()))?;
-    let stem = path.file_stem().map_or_else(
-        || name_or_path.to_string(),
-        |s| s.to_string_lossy().into_owned(),
-    );
-    Ok((stem, name_or_path.to_string(), text))
+    super::search::find_in(
+        super::search::directories(folder),
+        kind,
+        folder,
+        built_in,
+        name_or_path,
+    )
 }
-
-/// No machine and no dialect needs more; a wrong file (a part, a program) often has.
-const MOST_BYTES: u64 = 1 << 20;
 
 /// The word of `known` closest to `word`, when it is close enough to be a slip of the pen; the first of equals.
 pub fn nearest<'k>(word: &str, known: impl IntoIterator<Item = &'k str>) -> Option<String> {

@@ -4,6 +4,7 @@
 //! Never knows parts, paths or dialects (a machine names its dialect, it does not open it).
 
 pub mod data;
+pub mod search;
 
 pub use data::{DataError, Place};
 

@@ -18,6 +18,7 @@ mod toolpath;
 mod turns;
 mod walls;
 
+mod fuzz;
 mod hostile;
 mod link;
 mod looks;

@@ -60,8 +60,9 @@ pub(super) fn settle(a: &MillArgs) -> Result<Settings, Failure> {
             "--floor {z}: must be a height in mm"
         )));
     }
-    let machine = Machine::load(&a.machine).map_err(Failure::failed)?;
-    let post = Post::load(a.post.as_deref().unwrap_or(&machine.post)).map_err(Failure::failed)?;
+    let machine = crate::cli::sources::machine(&a.machine).map_err(Failure::failed)?;
+    let post = crate::cli::sources::post(a.post.as_deref().unwrap_or(&machine.post))
+        .map_err(Failure::failed)?;
     let [lowest, highest] = machine.spindle;
     let speed = a.speed.unwrap_or(highest.0.min(18000.0));
     if !(speed.is_finite() && speed >= 0.0) {

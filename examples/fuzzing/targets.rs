@@ -1,0 +1,158 @@
+//! What is fuzzed: for each format its seeds, its dictionary, and what must hold of whatever is read. A new format is one more entry.
+
+use super::corpus;
+use morsemill::gcode::{self, Dialect, Event};
+use morsemill::machine::Machine;
+use morsemill::part::{self, PlaceOptions, Units};
+use morsemill::post::Post;
+
+/// One thing that reads what people hand it.
+pub struct Target {
+    /// Its name on the command line.
+    pub name: &'static str,
+    /// Inputs to spoil, most of them good.
+    pub seeds: fn() -> Vec<Vec<u8>>,
+    /// Words of the format.
+    pub words: &'static [&'static str],
+    /// Reads an input. True when it was accepted. A panic is a finding, and so is an error here: something was accepted that must not be.
+    pub read: fn(&[u8]) -> Result<bool, String>,
+}
+
+/// All of them.
+pub const TARGETS: [Target; 4] = [
+    Target {
+        name: "stl",
+        seeds: corpus::stl,
+        words: &corpus::STL_WORDS,
+        read: |bytes| read_part("part.stl", bytes),
+    },
+    Target {
+        name: "obj",
+        seeds: corpus::obj,
+        words: &corpus::OBJ_WORDS,
+        read: |bytes| read_part("part.obj", bytes),
+    },
+    Target {
+        name: "gcode",
+        seeds: corpus::gcode,
+        words: &corpus::GCODE_WORDS,
+        read: read_program,
+    },
+    Target {
+        name: "toml",
+        seeds: corpus::toml,
+        words: &corpus::TOML_WORDS,
+        read: read_data_file,
+    },
+];
+
+/// The target of a name.
+pub fn target(name: &str) -> Option<&'static Target> {
+    static ALL: [Target; TARGETS.len()] = TARGETS;
+    ALL.iter().find(|t| t.name == name)
+}
+
+fn read_part(name: &str, bytes: &[u8]) -> Result<bool, String> {
+    let loaded = match part::from_bytes(name, bytes, Units::Mm) {
+        Ok(loaded) => loaded,
+        Err(e) => return refused(&e.to_string()),
+    };
+    let far = |p: &morsemill::geom::Point| {
+        p.iter()
+            .any(|v| !v.is_finite() || v.abs() > part::load::FARTHEST_MM)
+    };
+    if loaded.mesh.triangles.is_empty() {
+        return Err("a part without triangles was accepted".into());
+    }
+    if loaded.mesh.triangles.iter().flatten().any(far) {
+        return Err("a coordinate that is no place was accepted".into());
+    }
+    match part::place(&loaded.mesh, &loaded.soundness, &PlaceOptions::default()) {
+        Ok(placed)
+            if placed
+                .mesh
+                .triangles
+                .iter()
+                .flatten()
+                .any(|p| p.iter().any(|v| !v.is_finite())) =>
+        {
+            Err("a placed part has a coordinate that is no number".into())
+        }
+        Ok(_) => Ok(true),
+        Err(e) => refused(&e.to_string()),
+    }
+}
+
+/// Reads the program in one dialect, which its first bytes decide: so a finding is read again in the same one.
+fn read_program(bytes: &[u8]) -> Result<bool, String> {
+    let sum = bytes.iter().take(256).fold(bytes.len(), |s, b| {
+        s.wrapping_mul(31).wrapping_add(usize::from(*b))
+    });
+    let dialect = Dialect::ALL[sum % Dialect::ALL.len()];
+    let program = match gcode::interpret(&String::from_utf8_lossy(bytes), dialect) {
+        Ok(program) => program,
+        Err(errors) => {
+            if errors.is_empty() {
+                return Err(format!("{}: refused without a reason", dialect.name()));
+            }
+            for e in &errors {
+                refused(&e.to_string())?;
+            }
+            return Ok(false);
+        }
+    };
+    for event in &program.events {
+        if let Event::Motion(m) = event
+            && (m.from.iter().chain(m.to.iter()).any(|v| !v.is_finite()) || m.line > program.lines)
+        {
+            return Err(format!(
+                "{}: a motion to nowhere was accepted: {m:?}",
+                dialect.name()
+            ));
+        }
+    }
+    Ok(true)
+}
+
+fn read_data_file(bytes: &[u8]) -> Result<bool, String> {
+    let Ok(text) = std::str::from_utf8(bytes) else {
+        return Ok(false); // Refused before it gets so far.
+    };
+    let machine = Machine::from_toml("fuzz", text);
+    let post = Post::from_toml("fuzz", text);
+    match (machine, post) {
+        (Ok(_), Ok(_)) => Err("one file was accepted as a machine and as a dialect".into()),
+        (Err(a), Err(b)) => {
+            refused(&a.to_string())?;
+            refused(&b.to_string())
+        }
+        (Ok(m), Err(_)) => {
+            let figures = [
+                m.travel.map(|v| v.0),
+                m.max_rate.map(|v| v.0),
+                m.acceleration.map(|v| v.0),
+                m.steps_per_mm,
+            ];
+            if figures
+                .iter()
+                .flatten()
+                .any(|v| !v.is_finite() || *v <= 0.0)
+            {
+                return Err("a machine with a figure no machine has was accepted".into());
+            }
+            Ok(true)
+        }
+        (Err(_), Ok(_)) => Ok(true),
+    }
+}
+
+/// A refusal must say something, and not repeat the whole input.
+fn refused(message: &str) -> Result<bool, String> {
+    if message.trim().is_empty() {
+        return Err("refused without a word".into());
+    }
+    if message.len() > 20_000 {
+        return Err(format!("a refusal of {} bytes", message.len()));
+    }
+    Ok(false)
+}
