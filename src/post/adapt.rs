@@ -10,6 +10,7 @@
 //! | spindle or coolant off just before the end | nothing: the last lines switch off everything |
 //! | end | retract, where the post has one; end |
 //! | tool | spindle off, coolant off, retract, tool; coolant on again with the spindle, or before the next cut |
+//! | pause | spindle off, coolant off, pause, spindle, coolant, where a pause stops both |
 //! | spindle | without its spin-up time where the controller waits by itself |
 //! | an arc that turns too far at once | arcs, exactly ([`Rewrite::halves`]) |
 //! | an arc that cannot be written | lines within a tolerance ([`Rewrite::lines_within`]) |
@@ -19,7 +20,7 @@ use super::error::Refusal;
 use super::options::Rewrite;
 use crate::cldata::{Bow, Coolant, Place, Step};
 use crate::geom::Point;
-use crate::units::{Mm, MmPerMin, Seconds};
+use crate::units::{Mm, MmPerMin, Rpm, Seconds};
 
 /// Most lines that one arc may become.
 const MOST_LINES: f64 = 100_000.0;
@@ -30,9 +31,10 @@ pub struct Adapter<'a> {
     post: &'a Post,
     rewrite: Rewrite,
     at: Place,
-    turning: bool,
+    /// The step that turned the spindle on, while it turns.
+    turning: Option<Step>,
     coolant: Coolant,
-    /// Coolant that a tool change has interrupted.
+    /// Coolant that a tool change or a pause has interrupted.
     owed: Coolant,
     /// Offs that wait for what comes next, in order.
     held: Vec<Step>,
@@ -50,7 +52,7 @@ impl<'a> Adapter<'a> {
             post,
             rewrite,
             at: [None; 3],
-            turning: false,
+            turning: None,
             coolant: Coolant::Off,
             owed: Coolant::Off,
             held: Vec::new(),
@@ -93,14 +95,23 @@ impl<'a> Adapter<'a> {
                 speed,
                 spin_up,
             } => {
-                self.turning = true;
                 let waits = self.post.spindle.waits;
-                to(&Step::Spindle {
+                let turn = Step::Spindle {
                     direction: *direction,
                     speed: *speed,
                     spin_up: if waits { Seconds(0.0) } else { *spin_up },
-                })?;
+                };
+                to(&turn)?;
+                self.turning = Some(turn);
                 self.pay(to)
+            }
+            Step::Pause { .. } if self.post.pause_stops_spindle => {
+                let turning = self.stop(to)?;
+                to(step)?;
+                match turning {
+                    Some(turn) => self.step(&turn, to),
+                    None => Ok(()),
+                }
             }
             Step::Coolant(kind) => {
                 self.coolant = *kind;
@@ -153,7 +164,7 @@ impl<'a> Adapter<'a> {
     fn release<E>(&mut self, to: &mut impl FnMut(&Step) -> Result<(), E>) -> Result<(), E> {
         for step in std::mem::take(&mut self.held) {
             match step {
-                Step::Spindle { .. } => self.turning = false,
+                Step::Spindle { .. } => self.turning = None,
                 _ => (self.coolant, self.owed) = (Coolant::Off, Coolant::Off),
             }
             to(&step)?;
@@ -161,7 +172,27 @@ impl<'a> Adapter<'a> {
         Ok(())
     }
 
-    /// Coolant that a tool change has interrupted comes back.
+    /// Spindle and coolant off, if they are on; the coolant is owed then. Returns what turned the spindle on.
+    fn stop<E>(
+        &mut self,
+        to: &mut impl FnMut(&Step) -> Result<(), E>,
+    ) -> Result<Option<Step>, E> {
+        let turning = self.turning.take();
+        if turning.is_some() {
+            to(&Step::Spindle {
+                direction: 0,
+                speed: Rpm(0.0),
+                spin_up: Seconds(0.0),
+            })?;
+        }
+        if self.coolant != Coolant::Off {
+            self.owed = std::mem::take(&mut self.coolant);
+            to(&Step::Coolant(Coolant::Off))?;
+        }
+        Ok(turning)
+    }
+
+    /// Coolant that a tool change or a pause has interrupted comes back.
     fn pay<E>(&mut self, to: &mut impl FnMut(&Step) -> Result<(), E>) -> Result<(), E> {
         if self.owed == Coolant::Off {
             return Ok(());
@@ -193,17 +224,7 @@ impl<'a> Adapter<'a> {
     ) -> Result<(), E> {
         let changes = !self.post.tool.change.is_empty();
         if self.tool.is_some_and(|t| t != number) || changes {
-            if std::mem::take(&mut self.turning) {
-                to(&Step::Spindle {
-                    direction: 0,
-                    speed: crate::units::Rpm(0.0),
-                    spin_up: Seconds(0.0),
-                })?;
-            }
-            if self.coolant != Coolant::Off {
-                self.owed = std::mem::take(&mut self.coolant);
-                to(&Step::Coolant(Coolant::Off))?;
-            }
+            self.stop(to)?;
             self.retract(self.post.tool.retract_z, to)?;
             self.at = [None; 3];
         }

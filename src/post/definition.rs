@@ -77,6 +77,8 @@ pub struct Post {
     pub pause: Vec<Template>,
     /// Stopping for the operator when the switch says so.
     pub optional_pause: Vec<Template>,
+    /// A pause stops spindle and coolant, so that both are said anew after it.
+    pub pause_stops_spindle: bool,
     /// What stands around it all.
     pub program: Program,
     /// Path tolerance when the job names none.
