@@ -48,8 +48,8 @@ enum Command {
     Ports,
     /// The machines that come with the program
     Machines,
-    /// The G-code dialects that come with the program
-    Posts,
+    /// The G-code dialects: list, show, check and begin your own
+    Posts(posts::PostsArgs),
 }
 
 /// Why a command ended badly.
@@ -90,7 +90,7 @@ pub fn main() -> ExitCode {
         Command::Controller(a) => Ok(ExitCode::from(controller::run(&a, &mut std::io::stdout()))),
         Command::Ports => Ok(ExitCode::from(ports::run(&mut std::io::stdout()))),
         Command::Machines => output::to_stdout(|w| machines::run(w)),
-        Command::Posts => output::to_stdout(|w| posts::run(w)),
+        Command::Posts(a) => posts::run(&a),
     };
     match outcome {
         Ok(code) => code,

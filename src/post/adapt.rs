@@ -10,7 +10,7 @@
 //! | spindle or coolant off just before the end | nothing: the last lines switch off everything |
 //! | end | retract, where the post has one; end |
 //! | tool | spindle off, coolant off, retract, tool; coolant on again with the spindle, or before the next cut |
-//! | pause | spindle off, coolant off, pause, spindle, coolant, where a pause stops both |
+//! | pause | spindle off, coolant off, pause, where a pause stops both; they come back before the next move |
 //! | spindle | without its spin-up time where the controller waits by itself |
 //! | an arc that turns too far at once | arcs, exactly ([`Rewrite::halves`]) |
 //! | an arc that cannot be written | lines within a tolerance ([`Rewrite::lines_within`]) |
@@ -33,6 +33,8 @@ pub struct Adapter<'a> {
     at: Place,
     /// The step that turned the spindle on, while it turns.
     turning: Option<Step>,
+    /// The same, while a pause has stopped it.
+    stopped: Option<Step>,
     coolant: Coolant,
     /// Coolant that a tool change or a pause has interrupted.
     owed: Coolant,
@@ -53,6 +55,7 @@ impl<'a> Adapter<'a> {
             rewrite,
             at: [None; 3],
             turning: None,
+            stopped: None,
             coolant: Coolant::Off,
             owed: Coolant::Off,
             held: Vec::new(),
@@ -102,16 +105,13 @@ impl<'a> Adapter<'a> {
                     spin_up: if waits { Seconds(0.0) } else { *spin_up },
                 };
                 to(&turn)?;
-                self.turning = Some(turn);
+                (self.turning, self.stopped) = (Some(turn), None);
                 self.pay(to)
             }
             Step::Pause { .. } if self.post.pause_stops_spindle => {
-                let turning = self.stop(to)?;
-                to(step)?;
-                match turning {
-                    Some(turn) => self.step(&turn, to),
-                    None => Ok(()),
-                }
+                let stopped = self.stop(to)?;
+                self.stopped = stopped.or(self.stopped.take());
+                to(step)
             }
             Step::Coolant(kind) => {
                 self.coolant = *kind;
@@ -123,6 +123,7 @@ impl<'a> Adapter<'a> {
                 to(step)
             }
             Step::Rapid { to: place } => {
+                self.resume(to)?;
                 self.moved(place);
                 to(step)
             }
@@ -136,6 +137,7 @@ impl<'a> Adapter<'a> {
                 to(step)
             }
             Step::Feed { to: end, bow, feed } => {
+                self.resume(to)?;
                 self.pay(to)?;
                 let start = self.at;
                 self.moved(&[Some(end.x), Some(end.y), Some(end.z)]);
@@ -164,7 +166,7 @@ impl<'a> Adapter<'a> {
     fn release<E>(&mut self, to: &mut impl FnMut(&Step) -> Result<(), E>) -> Result<(), E> {
         for step in std::mem::take(&mut self.held) {
             match step {
-                Step::Spindle { .. } => self.turning = None,
+                Step::Spindle { .. } => (self.turning, self.stopped) = (None, None),
                 _ => (self.coolant, self.owed) = (Coolant::Off, Coolant::Off),
             }
             to(&step)?;
@@ -173,10 +175,7 @@ impl<'a> Adapter<'a> {
     }
 
     /// Spindle and coolant off, if they are on; the coolant is owed then. Returns what turned the spindle on.
-    fn stop<E>(
-        &mut self,
-        to: &mut impl FnMut(&Step) -> Result<(), E>,
-    ) -> Result<Option<Step>, E> {
+    fn stop<E>(&mut self, to: &mut impl FnMut(&Step) -> Result<(), E>) -> Result<Option<Step>, E> {
         let turning = self.turning.take();
         if turning.is_some() {
             to(&Step::Spindle {
@@ -190,6 +189,16 @@ impl<'a> Adapter<'a> {
             to(&Step::Coolant(Coolant::Off))?;
         }
         Ok(turning)
+    }
+
+    /// The spindle that a pause has stopped turns again.
+    fn resume<E>(&mut self, to: &mut impl FnMut(&Step) -> Result<(), E>) -> Result<(), E> {
+        let Some(turn) = self.stopped.take() else {
+            return Ok(());
+        };
+        to(&turn)?;
+        self.turning = Some(turn);
+        self.pay(to)
     }
 
     /// Coolant that a tool change or a pause has interrupted comes back.
@@ -225,6 +234,7 @@ impl<'a> Adapter<'a> {
         let changes = !self.post.tool.change.is_empty();
         if self.tool.is_some_and(|t| t != number) || changes {
             self.stop(to)?;
+            self.stopped = None;
             self.retract(self.post.tool.retract_z, to)?;
             self.at = [None; 3];
         }

@@ -1,7 +1,7 @@
 //! Programs written, and judged by eye, by rule and against a hand-made record.
 #![allow(clippy::unwrap_used)]
 
-use super::super::{Post, PostError, Refusal, Spot, Units, write};
+use super::super::{Post, Refusal, Spot, Units, write};
 use super::Coolant;
 use crate::cldata::Job;
 use crate::geom::Point;
@@ -73,9 +73,19 @@ fn golden_programs() {
     for (name, _) in crate::post::BUILT_IN {
         let post = Post::load(name).unwrap();
         let text = write(&path(), &job(), &post).unwrap().text;
-        let file = format!("{}/tests/golden/{name}.nc", env!("CARGO_MANIFEST_DIR"));
+        golden(&format!("{name}.nc"), &text);
+        golden(
+            &format!("{name}.specimen.nc"),
+            &crate::post::specimen_text(&post).unwrap(),
+        );
+    }
+}
+
+fn golden(name: &str, text: &str) {
+    {
+        let file = format!("{}/tests/golden/{name}", env!("CARGO_MANIFEST_DIR"));
         if std::env::var("UPDATE").is_ok_and(|v| v == "1") {
-            std::fs::write(&file, &text).unwrap();
+            std::fs::write(&file, text).unwrap();
         }
         let golden = std::fs::read_to_string(&file).unwrap();
         assert_eq!(
