@@ -57,10 +57,10 @@ enum Command {
     Ports,
     /// The machines that come with the program
     Machines,
-    /// The G-code dialects that come with the program
-    Posts,
     /// What the reader understands of each controller's G-code, and what it refuses
     Dialects(dialects::DialectsArgs),
+    /// The G-code dialects: list, show, check and begin your own
+    Posts(posts::PostsArgs),
 }
 
 /// Why a command ended badly.
@@ -104,8 +104,8 @@ pub fn main() -> ExitCode {
         Command::Controller(a) => Ok(ExitCode::from(controller::run(&a, &mut std::io::stdout()))),
         Command::Ports => Ok(ExitCode::from(ports::run(&mut std::io::stdout()))),
         Command::Machines => output::to_stdout(|w| machines::run(w)),
-        Command::Posts => output::to_stdout(|w| posts::run(w)),
         Command::Dialects(a) => dialects::run(&a),
+        Command::Posts(a) => posts::run(&a),
     };
     match outcome {
         Ok(code) => code,

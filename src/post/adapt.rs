@@ -11,6 +11,7 @@
 //! | end | retract, where the post has one; end |
 //! | tool | spindle off, coolant off, retract, tool; coolant on again with the spindle, or before the next cut |
 //! | one coolant after another | off, then that one |
+//! | pause | spindle off, coolant off, pause, where a pause stops both; they come back before the next move |
 //! | spindle | without its spin-up time where the controller waits by itself |
 //! | an arc that turns too far at once | arcs, exactly ([`Rewrite::halves`]) |
 //! | an arc that cannot be written | lines within a tolerance ([`Rewrite::lines_within`]) |
@@ -20,7 +21,7 @@ use super::error::Refusal;
 use super::options::Rewrite;
 use crate::cldata::{Bow, Coolant, Place, Step};
 use crate::geom::Point;
-use crate::units::{Mm, MmPerMin, Seconds};
+use crate::units::{Mm, MmPerMin, Rpm, Seconds};
 
 /// Most lines that one arc may become.
 const MOST_LINES: f64 = 100_000.0;
@@ -31,9 +32,12 @@ pub struct Adapter<'a> {
     post: &'a Post,
     rewrite: Rewrite,
     at: Place,
-    turning: bool,
+    /// The step that turned the spindle on, while it turns.
+    turning: Option<Step>,
+    /// The same, while a pause has stopped it.
+    stopped: Option<Step>,
     coolant: Coolant,
-    /// Coolant that a tool change has interrupted.
+    /// Coolant that a tool change or a pause has interrupted.
     owed: Coolant,
     /// Offs that wait for what comes next, in order.
     held: Vec<Step>,
@@ -51,7 +55,8 @@ impl<'a> Adapter<'a> {
             post,
             rewrite,
             at: [None; 3],
-            turning: false,
+            turning: None,
+            stopped: None,
             coolant: Coolant::Off,
             owed: Coolant::Off,
             held: Vec::new(),
@@ -94,14 +99,20 @@ impl<'a> Adapter<'a> {
                 speed,
                 spin_up,
             } => {
-                self.turning = true;
                 let waits = self.post.spindle.waits;
-                to(&Step::Spindle {
+                let turn = Step::Spindle {
                     direction: *direction,
                     speed: *speed,
                     spin_up: if waits { Seconds(0.0) } else { *spin_up },
-                })?;
+                };
+                to(&turn)?;
+                (self.turning, self.stopped) = (Some(turn), None);
                 self.pay(to)
+            }
+            Step::Pause { .. } if self.post.pause_stops_spindle => {
+                let stopped = self.stop(to)?;
+                self.stopped = stopped.or(self.stopped.take());
+                to(step)
             }
             Step::Coolant(kind) => {
                 // The words for one leave the other running.
@@ -117,6 +128,7 @@ impl<'a> Adapter<'a> {
                 to(step)
             }
             Step::Rapid { to: place } => {
+                self.resume(to)?;
                 self.moved(place);
                 to(step)
             }
@@ -130,6 +142,7 @@ impl<'a> Adapter<'a> {
                 to(step)
             }
             Step::Feed { to: end, bow, feed } => {
+                self.resume(to)?;
                 self.pay(to)?;
                 let start = self.at;
                 self.moved(&[Some(end.x), Some(end.y), Some(end.z)]);
@@ -158,7 +171,7 @@ impl<'a> Adapter<'a> {
     fn release<E>(&mut self, to: &mut impl FnMut(&Step) -> Result<(), E>) -> Result<(), E> {
         for step in std::mem::take(&mut self.held) {
             match step {
-                Step::Spindle { .. } => self.turning = false,
+                Step::Spindle { .. } => (self.turning, self.stopped) = (None, None),
                 _ => (self.coolant, self.owed) = (Coolant::Off, Coolant::Off),
             }
             to(&step)?;
@@ -166,7 +179,34 @@ impl<'a> Adapter<'a> {
         Ok(())
     }
 
-    /// Coolant that a tool change has interrupted comes back.
+    /// Spindle and coolant off, if they are on; the coolant is owed then. Returns what turned the spindle on.
+    fn stop<E>(&mut self, to: &mut impl FnMut(&Step) -> Result<(), E>) -> Result<Option<Step>, E> {
+        let turning = self.turning.take();
+        if turning.is_some() {
+            to(&Step::Spindle {
+                direction: 0,
+                speed: Rpm(0.0),
+                spin_up: Seconds(0.0),
+            })?;
+        }
+        if self.coolant != Coolant::Off {
+            self.owed = std::mem::take(&mut self.coolant);
+            to(&Step::Coolant(Coolant::Off))?;
+        }
+        Ok(turning)
+    }
+
+    /// The spindle that a pause has stopped turns again.
+    fn resume<E>(&mut self, to: &mut impl FnMut(&Step) -> Result<(), E>) -> Result<(), E> {
+        let Some(turn) = self.stopped.take() else {
+            return Ok(());
+        };
+        to(&turn)?;
+        self.turning = Some(turn);
+        self.pay(to)
+    }
+
+    /// Coolant that a tool change or a pause has interrupted comes back.
     fn pay<E>(&mut self, to: &mut impl FnMut(&Step) -> Result<(), E>) -> Result<(), E> {
         if self.owed == Coolant::Off {
             return Ok(());
@@ -198,17 +238,8 @@ impl<'a> Adapter<'a> {
     ) -> Result<(), E> {
         let changes = !self.post.tool.change.is_empty();
         if self.tool.is_some_and(|t| t != number) || changes {
-            if std::mem::take(&mut self.turning) {
-                to(&Step::Spindle {
-                    direction: 0,
-                    speed: crate::units::Rpm(0.0),
-                    spin_up: Seconds(0.0),
-                })?;
-            }
-            if self.coolant != Coolant::Off {
-                self.owed = std::mem::take(&mut self.coolant);
-                to(&Step::Coolant(Coolant::Off))?;
-            }
+            self.stop(to)?;
+            self.stopped = None;
             self.retract(self.post.tool.retract_z, to)?;
             self.at = [None; 3];
         }

@@ -8,7 +8,31 @@ macro_rules! built_in {
     };
 }
 
-built_in!["grbl", "linuxcnc"];
+built_in![
+    "carbide",
+    "centroid",
+    "edingcnc",
+    "fanuc",
+    "fluidnc",
+    "grbl",
+    "grblhal",
+    "haas",
+    "heidenhain",
+    "linuxcnc",
+    "mach3",
+    "mach4",
+    "marlin",
+    "masso",
+    "mazak",
+    "okuma",
+    "pathpilot",
+    "planetcnc",
+    "reprap",
+    "siemens",
+    "smoothie",
+    "tinyg",
+    "uccnc",
+];
 
 /// Interpreters a dialect can name as the one that reads its programs: the names of `gcode::Dialect`.
 pub const READERS: [&str; 22] = [

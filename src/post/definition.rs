@@ -77,6 +77,8 @@ pub struct Post {
     pub pause: Vec<Template>,
     /// Stopping for the operator when the switch says so.
     pub optional_pause: Vec<Template>,
+    /// A pause stops spindle and coolant, so that both are said anew after it.
+    pub pause_stops_spindle: bool,
     /// What stands around it all.
     pub program: Program,
     /// Path tolerance when the job names none.
@@ -155,13 +157,18 @@ impl Post {
     /// Reads and checks a dialect called `name`. Unknown keys, missing keys, unknown placeholders and figures out of bounds are
     /// refused with line and column; all wrong values are reported, not only the first.
     pub fn from_toml(name: &str, text: &str) -> Result<Post, DataError> {
-        read::post(name, &format!("posts/{name}.toml"), text)
+        Post::named(name, &format!("posts/{name}.toml"), text)
+    }
+
+    /// The same, from a file that complaints call `file`.
+    pub fn named(name: &str, file: &str, text: &str) -> Result<Post, DataError> {
+        read::post(name, file, text)
     }
 
     /// A built-in dialect by name, or a dialect file by path (anything with a `/`, or ending in `.toml`).
     pub fn load(name_or_path: &str) -> Result<Post, DataError> {
         let (name, file, text) = data::find("post", "posts", &BUILT_IN, name_or_path)?;
-        read::post(&name, &file, &text)
+        Post::named(&name, &file, &text)
     }
 
     /// Decimals of X, Y and Z in the post's units.

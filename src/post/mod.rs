@@ -19,6 +19,7 @@ pub mod number;
 pub mod options;
 #[cfg(test)]
 mod schema_tests;
+pub mod specimen;
 pub mod template;
 pub mod write;
 pub mod writer;
@@ -28,5 +29,6 @@ pub use built_in::{BUILT_IN, READERS};
 pub use definition::{Post, Units};
 pub use error::{PostError, Refusal, Spot};
 pub use options::{Options, Rewrite};
+pub use specimen::specimen_text;
 pub use write::{Posted, write};
 pub use writer::Writer;

@@ -34,6 +34,7 @@ pub(super) struct File {
     pub dwell: Option<Lines>,
     pub pause: Option<Lines>,
     pub optional_pause: Option<Lines>,
+    pub pause_stops_spindle: Option<bool>,
     pub program: ProgramTable,
 }
 

@@ -143,6 +143,7 @@ impl Hand<'_, '_> {
             ),
             pause: self.lines("pause", f.pause.as_ref(), &[]),
             optional_pause: self.lines("optional_pause", f.optional_pause.as_ref(), &[]),
+            pause_stops_spindle: f.pause_stops_spindle.unwrap_or(false),
             program: self.program(&f.program),
             path_tolerance: f.program.path_tolerance_mm.as_ref().map(|v| {
                 Mm(self.figure(

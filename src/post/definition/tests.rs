@@ -5,7 +5,7 @@ use super::*;
 use crate::post::BUILT_IN;
 
 fn refusal(from: &str, to: &str) -> String {
-    let good = BUILT_IN[0].1;
+    let good = BUILT_IN.iter().find(|(n, _)| *n == "grbl").unwrap().1;
     assert!(good.contains(from), "{from}");
     Post::from_toml("test", &good.replacen(from, to, 1))
         .unwrap_err()

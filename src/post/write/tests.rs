@@ -73,9 +73,19 @@ fn golden_programs() {
     for (name, _) in crate::post::BUILT_IN {
         let post = Post::load(name).unwrap();
         let text = write(&path(), &job(), &post).unwrap().text;
-        let file = format!("{}/tests/golden/{name}.nc", env!("CARGO_MANIFEST_DIR"));
+        golden(&format!("{name}.nc"), &text);
+        golden(
+            &format!("{name}.specimen.nc"),
+            &crate::post::specimen_text(&post).unwrap(),
+        );
+    }
+}
+
+fn golden(name: &str, text: &str) {
+    {
+        let file = format!("{}/tests/golden/{name}", env!("CARGO_MANIFEST_DIR"));
         if std::env::var("UPDATE").is_ok_and(|v| v == "1") {
-            std::fs::write(&file, &text).unwrap();
+            std::fs::write(&file, text).unwrap();
         }
         let golden = std::fs::read_to_string(&file).unwrap();
         assert_eq!(

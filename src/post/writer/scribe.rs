@@ -125,7 +125,8 @@ impl<'a, W: Write> Scribe<'a, W> {
             exact: [None; 3],
             motion: None,
             feed: None,
-            plane: says(17.0).then_some(Plane::Xy),
+            // Where there is but one plane no word chooses it.
+            plane: (says(17.0) || post.arcs.planes == [true, false, false]).then_some(Plane::Xy),
             pole: None,
             length_waits: false,
             decimals,
@@ -173,6 +174,9 @@ impl<'a, W: Write> Scribe<'a, W> {
 
     /// The head as far as it goes: comments have their place in it.
     fn open(&mut self, comment: bool) -> Result<(), Refusal> {
+        if self.head == Head::All {
+            return Ok(());
+        }
         let post = self.post;
         let start = &post.program.start;
         let place = start.iter().position(|t| t.has(Slot::Comments));
@@ -433,13 +437,25 @@ impl<'a, W: Write> Scribe<'a, W> {
 
     /// Back to the table's plane: length compensation acts along the plane's normal.
     pub fn flat(&mut self) -> Result<(), Refusal> {
-        if self.post.spelling == Spelling::Words && self.plane.is_some_and(|p| p != Plane::Xy) {
-            self.page.begin(Kind::Words);
-            self.page.word("G17");
-            self.page.end()?;
-            self.plane = Some(Plane::Xy);
+        match self.post.spelling == Spelling::Words && self.plane.is_some() {
+            true => self.plane_line(Plane::Xy),
+            false => Ok(()),
         }
-        Ok(())
+    }
+
+    /// A plane, if it is another: in a line of its own, since some firmwares read one command a line.
+    pub fn plane_line(&mut self, plane: Plane) -> Result<(), Refusal> {
+        if self.plane == Some(plane) {
+            return Ok(());
+        }
+        self.page.begin(Kind::Words);
+        self.page.word(match plane {
+            Plane::Xy => "G17",
+            Plane::Zx => "G18",
+            Plane::Yz => "G19",
+        });
+        self.plane = Some(plane);
+        self.page.end()
     }
 
     /// A place as written.

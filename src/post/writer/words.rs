@@ -2,7 +2,6 @@
 
 use super::page::Kind;
 use super::scribe::{Circle, Scribe};
-use crate::geom::Plane;
 use crate::post::definition::{Form, Numbers};
 use crate::post::error::Refusal;
 use std::io::Write;
@@ -57,15 +56,8 @@ impl<W: Write> Scribe<'_, W> {
         to: [Option<i64>; 3],
         feed: i64,
     ) -> Result<(), Refusal> {
+        self.plane_line(circle.plane)?;
         self.page.begin(Kind::Words);
-        if self.plane != Some(circle.plane) {
-            self.page.word(match circle.plane {
-                Plane::Xy => "G17",
-                Plane::Zx => "G18",
-                Plane::Yz => "G19",
-            });
-            self.plane = Some(circle.plane);
-        }
         self.motion_word(if circle.sweep < 0.0 { 2 } else { 3 });
         let [u, v, w] = circle.plane.axes();
         let still = self.post.modal.axes && self.at[w] == to[w];
