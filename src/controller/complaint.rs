@@ -34,6 +34,8 @@ pub fn error_number(complaint: &Complaint) -> u16 {
         | Complaint::OffsetRotation
         | Complaint::CommentOpen
         | Complaint::CommentNested
-        | Complaint::WholeNumber { .. } => 20,
+        | Complaint::WholeNumber { .. }
+        | Complaint::Heidenhain(_)
+        | Complaint::Siemens(_) => 20,
     }
 }

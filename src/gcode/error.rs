@@ -3,6 +3,8 @@
 //! A [`Complaint`] is precise enough that the far end of the cable can answer with GRBL's own number; the numbers themselves
 //! live in `wire`. Each variant's text says what is wrong and what to do next.
 
+use super::heidenhain::complaint::HeidenhainComplaint;
+use super::siemens::complaint::SiemensComplaint;
 use super::word::MAX_COLUMN;
 
 /// A mistake in a program: line and column (characters, both from 1) and what is wrong there.
@@ -224,6 +226,24 @@ pub enum Complaint {
         /// The least value.
         least: u32,
     },
+    /// A mistake in a conversational block.
+    #[error(transparent)]
+    Heidenhain(HeidenhainComplaint),
+    /// A mistake in a Sinumerik block.
+    #[error(transparent)]
+    Siemens(SiemensComplaint),
+}
+
+impl From<HeidenhainComplaint> for Complaint {
+    fn from(complaint: HeidenhainComplaint) -> Complaint {
+        Complaint::Heidenhain(complaint)
+    }
+}
+
+impl From<SiemensComplaint> for Complaint {
+    fn from(complaint: SiemensComplaint) -> Complaint {
+        Complaint::Siemens(complaint)
+    }
 }
 
 /// A complaint with its place as a byte offset in the line; the caller turns that into a line and a column.

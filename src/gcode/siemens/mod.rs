@@ -1,5 +1,6 @@
 //! Sinumerik 840D sl, in its own language: a line to what the machine is told.
 
+pub mod complaint;
 use super::error::{Complaint, Fault};
 use super::event::Event;
 use super::flow::{Label, Said};

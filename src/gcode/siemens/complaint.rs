@@ -1,0 +1,4 @@
+//! x
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum SiemensComplaint { 
+#[error("x")] X }
