@@ -113,7 +113,7 @@ fn named(job: &mut Job, text: &str, at: u32) -> Result<u32, Fault> {
     }
     let name = Name::of(text);
     if text.trim().is_empty() || name.text() != text {
-        let (name, range) = (Name::of("TOOL CALL"), "names of 1 to 30 characters");
+        let (name, range) = (Name::of("TOOL CALL"), "names of 1 to 31 characters");
         return wrong(at, Wrong::Range { name, range });
     }
     let known = job.tools.iter().position(|t| *t == name);

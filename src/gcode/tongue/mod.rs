@@ -7,3 +7,6 @@ pub(super) mod circle;
 pub(super) mod desk;
 pub(super) mod name;
 pub(super) mod scan;
+
+#[cfg(test)]
+pub(super) mod driver;

@@ -3,7 +3,7 @@
 use std::fmt;
 
 /// So many bytes of a name are kept; longer ones are cut.
-const LONGEST: usize = 30;
+const LONGEST: usize = 31;
 
 /// A name as messages show it: at most [`LONGEST`] bytes.
 #[derive(Clone, Copy, PartialEq, Eq)]
