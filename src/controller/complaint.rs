@@ -37,6 +37,8 @@ pub fn error_number(complaint: &Complaint) -> u16 {
         | Complaint::WholeNumber { .. }
         | Complaint::Flow(_)
         | Complaint::Expression(_)
-        | Complaint::Rule(_) => 20,
+        | Complaint::Rule(_)
+        | Complaint::Heidenhain(_)
+        | Complaint::Siemens(_) => 20,
     }
 }

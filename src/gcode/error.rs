@@ -4,8 +4,10 @@
 //! live in `wire`. Each variant's text says what is wrong and what to do next.
 
 use super::expression::ExpressionComplaint;
+use super::heidenhain::complaint::HeidenhainComplaint;
 use super::program::FlowComplaint;
 use super::rules::RuleComplaint;
+use super::siemens::complaint::SiemensComplaint;
 use super::word::MAX_COLUMN;
 
 /// A mistake in a program: line and column (characters, both from 1) and what is wrong there.
@@ -239,6 +241,24 @@ pub enum Complaint {
     /// Other dialects than GRBL only.
     #[error(transparent)]
     Rule(#[from] RuleComplaint),
+    /// A mistake in a conversational block.
+    #[error(transparent)]
+    Heidenhain(HeidenhainComplaint),
+    /// A mistake in a Sinumerik block.
+    #[error(transparent)]
+    Siemens(SiemensComplaint),
+}
+
+impl From<HeidenhainComplaint> for Complaint {
+    fn from(complaint: HeidenhainComplaint) -> Complaint {
+        Complaint::Heidenhain(complaint)
+    }
+}
+
+impl From<SiemensComplaint> for Complaint {
+    fn from(complaint: SiemensComplaint) -> Complaint {
+        Complaint::Siemens(complaint)
+    }
 }
 
 /// A complaint with its place as a byte offset in the line; the caller turns that into a line and a column.

@@ -33,7 +33,7 @@ fn number(c: &Complaint) -> u8 {
         ToolLengthAxis => 37,
         ToolNumber { .. } => 38,
         ArcRadiusZero | CommentOpen | CommentNested | WholeNumber { .. } => 20,
-        Flow(_) | Expression(_) | Rule(_) => 20,
+        Flow(_) | Expression(_) | Rule(_) | Heidenhain(_) | Siemens(_) => 20,
     }
 }
 

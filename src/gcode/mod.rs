@@ -39,14 +39,17 @@ pub mod rules;
 mod siemens;
 pub mod source;
 pub mod state;
+mod tongue;
 mod word;
 
 pub use dialect::Dialect;
 pub use error::{Code, Complaint, InterpretError};
 pub use event::{Arc, Event, Motion, MotionKind, Plane};
 pub use expression::ExpressionComplaint;
+pub use heidenhain::complaint::HeidenhainComplaint;
 pub use interpret::{
     MAX_ERRORS, Program, interpret, interpret_from, interpret_jog, interpret_line, lines,
 };
 pub use program::{Comment, FlowComplaint, Interpreter, Reading};
+pub use siemens::complaint::SiemensComplaint;
 pub use state::{Distance, FeedMode, MotionMode, PathMode, Probe, Retract, State, Units};

@@ -1,26 +1,270 @@
-//! Sinumerik 840D sl, in its own language: a line to what the machine is told.
+//! Sinumerik 840D sl, in its own language: a block to what the machine is told.
+//!
+//! Crosses the border: a line of a part program in; events in work coordinates, mm and mm/min, out, with what the line asks of the order
+//! of lines ([`Flow`]). Never knows files, or where a label stands.
+//!
+//! After the programming manuals "Fundamentals" and "Job planning" (840D sl / 828D). Where they leave a choice:
+//!
+//! - Work coordinates are those of the settable frame (G54 ...). TRANS and ATRANS are added to what is programmed, so events stay in one
+//!   system whatever the programmable frame. G505 and G506 are the fifth and sixth offset of [`State`]; more are refused.
+//! - The basic system is metric: under G70 lengths are inches and F is mm/min, under G700 F is inch/min as well.
+//! - Z is the tool's tip while D is not 0, in every plane (as with setting data TOOL_LENGTH_CONST); T with M6 selects D1.
+//! - M6 changes the tool that T chose. Named tools get the numbers 1, 2, ... in the order of their first call; a name of digits is that
+//!   number.
+//! - M7 is mist, M8 flood.
+//! - G641 ADIS, CTOL and CYCLE832 set [`super::state::PathMode::Blend`] with that tolerance, mm; compressors alone without one.
+//! - A subprogram called by its name must stand in the same archive (`%_N_NAME_SPF`).
 
-use super::error::{Complaint, Fault};
+mod assign;
+mod block;
+pub mod complaint;
+mod control;
+mod cycle;
+mod expression;
+mod frame;
+mod keyword;
+mod path;
+mod program;
+
+use super::error::{Complaint, Fault, InterpretError};
 use super::event::Event;
-use super::flow::{Label, Said};
+use super::flow::{Flow, Label, Said};
 use super::state::State;
+use super::tongue::desk::Desk;
+use super::tongue::name::Name;
+use super::tongue::scan::Scan;
+use crate::geom::Vector;
+use complaint::SiemensComplaint as Wrong;
+use expression::Value;
+use std::collections::BTreeMap;
 
-/// What the language remembers beyond [`State`]: R parameters, frames, modal calls.
+/// What the language remembers beyond [`State`].
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Memory {}
+pub(super) struct Memory {
+    modes: Modes,
+    /// R parameters.
+    r: BTreeMap<u32, f64>,
+    /// Variables of the programs that run now.
+    variables: Vec<Variable>,
+    /// Tools called by name; the first is number 1.
+    tools: Vec<Name>,
+}
+
+/// A variable of DEF.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Variable {
+    name: Name,
+    kind: Kind,
+    value: Value,
+    /// How deep in calls the program stands that defined it; others do not see it.
+    depth: u32,
+}
+
+/// A variable's type.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Kind {
+    Real,
+    Int,
+    Bool,
+}
+
+/// What F means.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+enum FeedKind {
+    /// G94.
+    #[default]
+    PerMinute,
+    /// G95.
+    PerRevolution,
+    /// G93.
+    Inverse,
+}
+
+/// The part that is copied for every line.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Modes {
+    /// A block other than comments was read.
+    began: bool,
+    /// An end was reached.
+    over: bool,
+    /// Subprograms that were called and not left yet.
+    depth: u32,
+    /// TRANS, mm.
+    shift: Vector,
+    /// G500: no settable frame.
+    no_offset: bool,
+    /// D0.
+    length_off: bool,
+    /// T was programmed; M6 changes to this.
+    chosen: Option<u32>,
+    /// A tool was chosen by its number.
+    numbered: bool,
+    feed_kind: FeedKind,
+    /// F in what [`FeedKind`] says: mm/min, mm/rev, 1/min; zero means not set.
+    feed: f64,
+    /// G700.
+    inch_feed: bool,
+    blending: Blending,
+    /// MCALL.
+    modal: Option<cycle::Drilling>,
+    ifs: control::Ifs,
+}
+
+/// How corners are taken.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Blending {
+    /// 60, 64, 641 ...; zero before the first.
+    code: u32,
+    /// ADIS, mm.
+    adis: f64,
+    /// CTOL or CYCLE832, mm.
+    tolerance: Option<f64>,
+    /// COMPON and its like.
+    compressor: bool,
+}
+
+/// A line at work: everything is a copy until the whole line was sound.
+struct Job<'a> {
+    scan: Scan<'a>,
+    desk: Desk<'a>,
+    modes: Modes,
+    r: &'a BTreeMap<u32, f64>,
+    variables: &'a [Variable],
+    /// R parameters that this line sets.
+    set_r: Vec<(u32, f64)>,
+    /// Variables that this line defines or sets.
+    set: Vec<Variable>,
+    tools: &'a [Name],
+    /// A tool that this line chooses by name for the first time.
+    tool: Option<Name>,
+}
+
+/// A fault at a place.
+#[cold]
+fn wrong<T>(at: u32, complaint: Wrong) -> Result<T, Fault> {
+    Err(Fault::at(at, Complaint::Siemens(complaint)))
+}
+
+/// A fault of something that is known and not carried out.
+#[cold]
+fn refuse<T>(at: u32, name: &str, why: &'static str) -> Result<T, Fault> {
+    let name = Name::of(name);
+    wrong(at, Wrong::Refused { name, why })
+}
+
+/// A fault of a number outside its range.
+#[cold]
+fn range<T>(at: u32, name: &str, range: &'static str) -> Result<T, Fault> {
+    let name = Name::of(name);
+    wrong(at, Wrong::Range { name, range })
+}
+
+/// A fault of something missing.
+#[cold]
+fn missing<T>(at: u32, name: &str, what: &'static str) -> Result<T, Fault> {
+    let name = Name::of(name);
+    wrong(at, Wrong::Missing { name, what })
+}
+
+impl Job<'_> {
+    /// Millimetres in one unit of the program.
+    fn mm(&self) -> f64 {
+        self.desk.state.units.mm()
+    }
+
+    /// What stands here, as a complaint.
+    fn not_understood<T>(&self) -> Result<T, Fault> {
+        let rest = self.scan.rest();
+        let end = rest.find([' ', '\t', ';']).unwrap_or(rest.len()).max(1);
+        let name = Name::of(rest.get(..end).unwrap_or(rest));
+        wrong(self.scan.at(), Wrong::NotUnderstood { name })
+    }
+
+    /// Nothing but a comment may follow.
+    fn end_of_block(&mut self) -> Result<(), Fault> {
+        match self.scan.blanks().peek() {
+            None | Some(b';') => Ok(()),
+            _ => self.not_understood(),
+        }
+    }
+}
 
 /// Carries out one line. On an error nothing has changed.
 pub(super) fn line(
-    _state: &mut State,
-    _memory: &mut Memory,
-    _text: &str,
-    _line: usize,
-    _events: &mut Vec<Event>,
+    state: &mut State,
+    memory: &mut Memory,
+    text: &str,
+    line: usize,
+    events: &mut Vec<Event>,
 ) -> Said {
-    Err(Fault::at(0, Complaint::ExpectedLetter { found: '?' }))
+    let before = events.len();
+    let mut job = Job {
+        scan: Scan::new(text),
+        desk: Desk {
+            state: state.clone(),
+            events,
+            line,
+        },
+        modes: memory.modes,
+        r: &memory.r,
+        variables: &memory.variables,
+        set_r: Vec::new(),
+        set: Vec::new(),
+        tools: &memory.tools,
+        tool: None,
+    };
+    match program::line(&mut job) {
+        Ok(flow) => {
+            let Job {
+                desk,
+                modes,
+                set_r,
+                set,
+                tool,
+                ..
+            } = job;
+            (*state, memory.modes) = (desk.state, modes);
+            memory.r.extend(set_r);
+            memory.tools.extend(tool);
+            for v in set {
+                let same = |o: &&mut Variable| (o.name, o.depth) == (v.name, v.depth);
+                match memory.variables.iter_mut().find(same) {
+                    Some(old) => *old = v,
+                    None => memory.variables.push(v),
+                }
+            }
+            memory.variables.retain(|v| v.depth <= modes.depth);
+            Ok(flow)
+        }
+        Err(fault) => {
+            job.desk.events.truncate(before);
+            Err(fault)
+        }
+    }
 }
 
-/// The label that a line carries, if it does.
-pub(super) fn label(_text: &str) -> Option<Label> {
-    None
+/// The label that a line carries, if it does: the jump label (`AGAIN` of `N10 AGAIN: X5`), or else the block number (`N10`, `:10`), or the
+/// header of a program (`%_N_NAME_SPF`), all in upper case.
+pub(super) fn label(text: &str) -> Option<Label> {
+    program::label(text)
 }
+
+/// What is wrong when the text is over after line `last`.
+pub(super) fn finish(memory: &Memory, last: usize) -> Result<(), InterpretError> {
+    let ifs = &memory.modes.ifs;
+    let complaint = if ifs.skips() && !memory.modes.over {
+        Wrong::IfOpen { line: ifs.since() }
+    } else if memory.modes.depth > 0 && !memory.modes.over {
+        Wrong::ReturnMissing
+    } else {
+        return Ok(());
+    };
+    Err(InterpretError {
+        line: last.max(1),
+        column: 1,
+        complaint: Complaint::Siemens(complaint),
+    })
+}
+
+#[cfg(test)]
+mod tests;

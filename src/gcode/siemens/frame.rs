@@ -1,0 +1,69 @@
+//! Frames: the programmable ones (TRANS and its like) and the settable ones (G54 ...).
+
+use super::*;
+
+/// `TRANS X10`, `ATRANS Z-5`, `TRANS`; and the empty forms of ROT, SCALE, MIRROR, which cancel all programmable frames as TRANS does.
+pub(super) fn programmable(job: &mut Job, word: &str, at: u32) -> Result<(), Fault> {
+    let mut shift = match word {
+        "ATRANS" => job.modes.shift,
+        _ => Vector::zeros(),
+    };
+    if matches!(job.scan.blanks().peek(), None | Some(b';')) {
+        return match word {
+            "AROT" | "ASCALE" | "AMIRROR" | "ATRANS" => missing(at, word, "an axis"),
+            _ => {
+                job.modes.shift = Vector::zeros();
+                Ok(())
+            }
+        };
+    }
+    if !matches!(word, "TRANS" | "ATRANS") {
+        return refuse(
+            at,
+            word,
+            "it turns, scales or mirrors the path; post the path as it shall be",
+        );
+    }
+    let mut seen = [false; 3];
+    while !matches!(job.scan.blanks().peek(), None | Some(b';')) {
+        let at = job.scan.at();
+        let Some(axis) = ["X", "Y", "Z"].iter().position(|a| job.scan.take_text(a)) else {
+            return job.not_understood();
+        };
+        let name = ["X", "Y", "Z"][axis];
+        if std::mem::replace(&mut seen[axis], true) {
+            let name = Name::of(name);
+            return wrong(at, Wrong::Repeated { name });
+        }
+        shift[axis] += block::plain(job, name)? * job.mm();
+    }
+    job.modes.shift = shift;
+    Ok(())
+}
+
+/// G500, G54 to G57, G505 to G599.
+pub(super) fn settable(job: &mut Job, code: u32, at: u32) -> Result<(), Fault> {
+    let index = match code {
+        500 => {
+            if !std::mem::replace(&mut job.modes.no_offset, true) {
+                job.desk.sync();
+            }
+            return Ok(());
+        }
+        54..=57 => code - 54,
+        505 | 506 => code - 501,
+        _ => {
+            let name = format!("G{code}");
+            return refuse(
+                at,
+                &name,
+                "this reader knows six work offsets, G54 to G57, G505 and G506; use one of them",
+            );
+        }
+    };
+    if std::mem::replace(&mut job.modes.no_offset, false) {
+        job.desk.sync();
+    }
+    job.desk.work_offset(index as usize);
+    Ok(())
+}
