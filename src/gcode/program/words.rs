@@ -254,10 +254,11 @@ impl<R: BufRead + Seek> Interpreter<R> {
         }
         // Macro B: a setting is a statement, and a statement has its line for itself.
         let lone = has_macros(dialect) && !line.settings.is_empty();
-        if lone && let Some(other) = line.words.iter().find(|w| w.letter != b'N') {
+        if lone && let Some(other) = line.words.iter().find(|w| !matches!(w.letter, 0 | b'N')) {
             let statement = "a setting of variables".into();
             return Err(flow(other.at, FlowComplaint::StatementAlone { statement }));
         }
+        self.begun |= !(line.words.is_empty() && line.settings.is_empty());
         if let Some(call) = line.find(b'M', 98.0) {
             return self.call(line, call, here, events);
         }
@@ -286,7 +287,6 @@ impl<R: BufRead + Seek> Interpreter<R> {
     ) -> Result<(), Fault> {
         let first = events.len();
         carry_out(&mut self.state, text, line, events)?;
-        self.begun = true;
         let new = events.get(first..).unwrap_or_default();
         self.over |= new.iter().any(|e| matches!(e, Event::End { .. }));
         Ok(())
