@@ -23,6 +23,7 @@ mod link;
 mod looks;
 mod recordings;
 
+mod cl;
 mod refusals;
 mod repeat;
 mod story;

@@ -14,8 +14,11 @@ use std::f64::consts::TAU;
 /// Start and end closer than this are one, mm, though their digits may differ.
 const ONE_PLACE: f64 = 2e-3;
 
-/// A step along a circle of Creo's may be this much longer than the longest before it.
-const UNEVEN: f64 = 2.05;
+/// Creo divides an arc evenly: a step may be longer than the longest before it by so much and still belong to it ...
+const EVEN: f64 = 1.05;
+
+/// ... and one longer by so much is a straight line. In between nobody knows.
+const UNEVEN: f64 = 3.0;
 
 /// A first step above this says nothing of how far apart the following points are, rad: Creo divides a circle by three at least.
 const LARGE: f64 = 121.0 * std::f64::consts::PI / 180.0;
@@ -65,6 +68,8 @@ struct Run {
     to: Point,
     /// Unsigned, rad.
     turn: f64,
+    /// Rise along the circle's normal by its first step, mm/rad.
+    slope: f64,
     feed: MmPerMin,
     line: usize,
 }
@@ -257,10 +262,14 @@ impl State {
         if series.points == 0 {
             sweep(circle, &from, &to, Turns::Once)?;
         } else {
-            let uneven = turn > UNEVEN * series.longest;
+            let uneven = turn > EVEN * series.longest;
             // A chord that nobody could tell from its arc is no question.
             let chord = circle.radius * (1.0 - (0.5 * turn).cos()) > OFF_CIRCLE || apart < ONE_PLACE;
-            if series.points == 1 && (series.longest > LARGE || uneven) && chord {
+            let unsure = match series.points {
+                1 => series.longest > LARGE || uneven,
+                _ => uneven && turn < UNEVEN * series.longest,
+            };
+            if unsure && chord {
                 let turn = turn.to_degrees();
                 return Err(ClProblem::ArcOrLine { line, turn });
             }
@@ -269,8 +278,14 @@ impl State {
             }
         }
         let feed = self.feed_now()?;
+        let [_, _, n] = circle.plane.axes();
+        // One helix rises evenly; where it does not another begins.
+        let even = |run: &Run| {
+            let rise = run.from[n] + run.slope * (run.turn + turn) - to[n];
+            rise.abs() <= OFF_CIRCLE
+        };
         let run = match series.run {
-            Some(run) if run.turn + turn > TAU + 1e-6 => {
+            Some(run) if run.turn + turn > TAU + 1e-6 || !even(&run) => {
                 self.give(circle, series);
                 None
             }
@@ -280,6 +295,7 @@ impl State {
             from,
             to,
             turn: 0.0,
+            slope: (to[n] - from[n]) / turn,
             feed,
             line: self.line,
         });
