@@ -59,6 +59,11 @@ pub enum NoteKind {
         "the first move after a tool change goes at feed, from wherever the change leaves the tool"
     )]
     FeedAfterTool,
+    /// A cut straight from FROM's place.
+    #[error(
+        "the first move is a cut from the place that FROM names: the program makes sure of it by a rapid to there"
+    )]
+    FromFirst,
     /// RETRCT at or over the clearance height.
     #[error("RETRCT moves nothing here: the tool is at the clearance height or over it")]
     RetractNothing,

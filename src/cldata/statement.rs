@@ -3,7 +3,8 @@
 //! Crosses the border: bytes in; one [`Statement`] at a time out, which knows where each of its bytes stood. What stands here is from the
 //! common rules of ANSI X3.37 and ISO 4343 (4.2): `$` carries a statement on and what follows it on its line is remark, `$$` ends it; a label
 //! stands in front, with `)` or as `N10`; cards have 72 columns and a sequence number behind them. A text statement (`PPRINT` and the like)
-//! is its line, `$` and all. Lines that begin with `**` are remarks too.
+//! is its line, `$` and all. Lines that begin with `**` are remarks too, and what
+//! a remark of Creo's (`$$->`) carries on by `$`.
 
 use super::error::{ClError, ClProblem, Fault};
 use super::lines::{LONGEST, Lines};
@@ -71,7 +72,7 @@ pub(super) fn characters(bytes: &[u8]) -> usize {
 }
 
 /// Words whose line is text to its end.
-pub(super) const TEXT_WORDS: [&str; 7] = [
+pub(super) const TEXT_WORDS: [&str; 8] = [
     "PARTNO",
     "PPRINT",
     "REMARK",
@@ -79,6 +80,7 @@ pub(super) const TEXT_WORDS: [&str; 7] = [
     "TPRINT",
     "TOOL PATH",
     "LETTER",
+    "TITLE",
 ];
 
 /// The text word at the front, if there is one, and the bytes it takes.
@@ -109,6 +111,8 @@ pub(super) struct Statements<R> {
     /// Lines that were looked at to tell cards from free lines, with their numbers.
     ahead: VecDeque<(usize, Vec<u8>, bool)>,
     cards: Cards,
+    /// The line before was a remark of Creo's that goes on.
+    remark_open: bool,
     /// The statement read last.
     pub now: Statement,
 }
@@ -129,6 +133,7 @@ impl<R: BufRead> Statements<R> {
             lines: Lines::new(from),
             ahead: VecDeque::new(),
             cards: Cards::Unknown,
+            remark_open: false,
             now: Statement::default(),
         }
     }
@@ -155,11 +160,8 @@ impl<R: BufRead> Statements<R> {
                 }
                 None if self.read_line()? => self.lines.number,
                 None if open => {
-                    return Err(ClError {
-                        line: self.lines.number,
-                        column: self.lines.bytes.len() + 1,
-                        problem: ClProblem::Unfinished,
-                    });
+                    let end = self.now.text.len();
+                    return Err(self.now.error((end, ClProblem::Unfinished)));
                 }
                 None => return Ok(false),
             };
@@ -229,6 +231,13 @@ impl<R: BufRead> Statements<R> {
                 let before = line.get(..start).unwrap_or_default();
                 return fail(characters(before) + 1, ClProblem::ToolCenter);
             }
+            // Creo carries its own remarks on: `$$-> CSYS / 1.0, 0.0, $`.
+            self.remark_open =
+                rest(start).starts_with(b"$$->") && line.trim_ascii_end().ends_with(b"$");
+            return Ok(Next::Nothing);
+        }
+        if std::mem::take(&mut self.remark_open) {
+            self.remark_open = line.trim_ascii_end().ends_with(b"$");
             return Ok(Next::Nothing);
         }
         if !open {
@@ -364,7 +373,7 @@ mod tests {
         let e = all("GOTO/1,$\n").unwrap_err();
         assert_eq!(
             e.to_string(),
-            "1:9 the file ends inside a statement that $ carries on: it is not whole, write it out again"
+            "1:8 the file ends inside a statement that $ carries on: it is not whole, write it out again"
         );
     }
 

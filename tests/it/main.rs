@@ -25,6 +25,7 @@ mod looks;
 mod recordings;
 
 mod programs;
+mod cl;
 mod refusals;
 mod repeat;
 mod round_trip;

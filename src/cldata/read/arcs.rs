@@ -14,8 +14,11 @@ use std::f64::consts::TAU;
 /// Start and end closer than this are one, mm, though their digits may differ.
 const ONE_PLACE: f64 = 2e-3;
 
-/// A step along a circle of Creo's may be this much longer than the longest before it.
-const UNEVEN: f64 = 2.05;
+/// Creo divides an arc evenly: a step may be longer than the longest before it by so much and still belong to it ...
+const EVEN: f64 = 1.05;
+
+/// ... and one longer by so much is a straight line. In between nobody knows.
+const UNEVEN: f64 = 3.0;
 
 /// A first step above this says nothing of how far apart the following points are, rad: Creo divides a circle by three at least.
 const LARGE: f64 = 121.0 * std::f64::consts::PI / 180.0;
@@ -65,6 +68,8 @@ struct Run {
     to: Point,
     /// Unsigned, rad.
     turn: f64,
+    /// Rise along the circle's normal by its first step, mm/rad.
+    slope: f64,
     feed: MmPerMin,
     line: usize,
 }
@@ -140,12 +145,7 @@ impl State {
                     return Err(count(at, found));
                 }
                 if !next.is_empty() && !word_is(&args.next()?, next) {
-                    return Err((
-                        at,
-                        ClProblem::Ends {
-                            wanted: "AXIS and RADIUS",
-                        },
-                    ));
+                    return Err((at, ClProblem::Ends { wanted: "AXIS and RADIUS" }));
                 }
                 Ok(v)
             };
@@ -262,11 +262,14 @@ impl State {
         if series.points == 0 {
             sweep(circle, &from, &to, Turns::Once)?;
         } else {
-            let uneven = turn > UNEVEN * series.longest;
+            let uneven = turn > EVEN * series.longest;
             // A chord that nobody could tell from its arc is no question.
-            let chord =
-                circle.radius * (1.0 - (0.5 * turn).cos()) > OFF_CIRCLE || apart < ONE_PLACE;
-            if series.points == 1 && (series.longest > LARGE || uneven) && chord {
+            let chord = circle.radius * (1.0 - (0.5 * turn).cos()) > OFF_CIRCLE || apart < ONE_PLACE;
+            let unsure = match series.points {
+                1 => series.longest > LARGE || uneven,
+                _ => uneven && turn < UNEVEN * series.longest,
+            };
+            if unsure && chord {
                 let turn = turn.to_degrees();
                 return Err(ClProblem::ArcOrLine { line, turn });
             }
@@ -275,8 +278,14 @@ impl State {
             }
         }
         let feed = self.feed_now()?;
+        let [_, _, n] = circle.plane.axes();
+        // One helix rises evenly; where it does not another begins.
+        let even = |run: &Run| {
+            let rise = run.from[n] + run.slope * (run.turn + turn) - to[n];
+            rise.abs() <= OFF_CIRCLE
+        };
         let run = match series.run {
-            Some(run) if run.turn + turn > TAU + 1e-6 => {
+            Some(run) if run.turn + turn > TAU + 1e-6 || !even(&run) => {
                 self.give(circle, series);
                 None
             }
@@ -286,6 +295,7 @@ impl State {
             from,
             to,
             turn: 0.0,
+            slope: (to[n] - from[n]) / turn,
             feed,
             line: self.line,
         });
@@ -352,14 +362,7 @@ impl State {
         args.end()?;
         let word = args.word;
         if found != 3 {
-            return Err((
-                at,
-                ClProblem::Count {
-                    word,
-                    found,
-                    takes: TAKES,
-                },
-            ));
+            return Err((at, ClProblem::Count { word, found, takes: TAKES }));
         }
         self.along = Some(match (word, self.at) {
             ("INDIRV", _) => vector(&v),
@@ -397,11 +400,7 @@ impl State {
                 _ => return Err(ahead.unexpected("INTOF")),
             }
             if n != 1.0 && n != 2.0 {
-                return Err(args.value(
-                    place,
-                    n,
-                    "INTOF is neither 1 nor 2: an arc crosses a line twice at most",
-                ));
+                return Err(args.value(place, n, "INTOF is neither 1 nor 2: an arc crosses a line twice at most"));
             }
             nth = n as u32;
             args = ahead;
@@ -439,8 +438,7 @@ impl State {
         let end = crossing(&circle, &from, [&line[0], &line[1]], nth)?;
         // CATIA's line runs from the centre to the end: then both must say the same.
         let [first, second] = line;
-        let told =
-            plane_distance(&circle, first, &circle.center) <= ONE_PLACE && circle.holds(second);
+        let told = plane_distance(&circle, first, &circle.center) <= ONE_PLACE && circle.holds(second);
         if told && plane_distance(&circle, second, &end) > OFF_CIRCLE {
             let (x, y) = (end.x, end.y);
             return Err(ClProblem::ArcCrossing { x, y });
@@ -469,12 +467,7 @@ fn plane_distance(circle: &Circle, a: &Point, b: &Point) -> f64 {
 }
 
 /// How far a single arc turns, rad; `None` for nothing.
-fn sweep(
-    circle: &Circle,
-    from: &Point,
-    to: &Point,
-    turns: Turns,
-) -> Result<Option<f64>, ClProblem> {
+fn sweep(circle: &Circle, from: &Point, to: &Point, turns: Turns) -> Result<Option<f64>, ClProblem> {
     let apart = plane_distance(circle, from, to);
     let once = circle.turn(from, to);
     let small = apart < ONE_PLACE && !(1e-2..=TAU - 1e-2).contains(&once.abs());

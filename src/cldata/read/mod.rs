@@ -436,7 +436,9 @@ impl State {
                 let word = word.to_string();
                 return Err((0, ClProblem::Refused { word, why }));
             }
-            "LETTER" => self.note(NoteKind::Harmless("LETTER")),
+            "LETTER" | "TITLE" => self.note(NoteKind::Harmless(word)),
+            // Behind END there is nobody to tell it to.
+            _ if self.end.is_some() => self.note(NoteKind::Harmless(word)),
             "PARTNO" => self.about.part = Some(said(rest)),
             _ => {
                 self.flush_arc();
@@ -452,7 +454,7 @@ impl State {
             return Ok(());
         };
         let name = String::from_utf8_lossy(name);
-        let harmless = words::harmless(&name).is_some() || matches!(&*name, "REMARK" | "REWIND");
+        let harmless = words::harmless(&name).is_some() || matches!(&*name, "REMARK" | "REWIND" | "TITLE" | "LETTER");
         if end == "END" && (name == "FINI" || harmless) {
             return Ok(());
         }

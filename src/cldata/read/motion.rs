@@ -137,10 +137,18 @@ impl State {
         self.changed = None;
     }
 
-    /// The feed of a cut here; one that a RAPID with feed gave is used up by it.
+    /// The feed of a cut that begins here; one that a RAPID with feed gave is used up by it.
     pub(super) fn feed_now(&mut self) -> Result<MmPerMin, ClProblem> {
         if let Some(line) = self.stopped {
             return Err(ClProblem::SpindleStopped { line });
+        }
+        // A cut needs a start that steps know of, and FROM is none of them.
+        if let (Some(a), false) = (self.at, self.moved) {
+            self.note(NoteKind::FromFirst);
+            self.push(Step::Rapid {
+                to: [Some(a.x), Some(a.y), Some(a.z)],
+            });
+            self.moved = true;
         }
         if let Manner::Once(f) = std::mem::replace(&mut self.manner, Manner::Feed) {
             return Ok(MmPerMin(f));
@@ -282,7 +290,6 @@ impl State {
         });
         if let Some(a) = &mut self.at {
             a.z = z;
-            self.moved = true;
         }
         Ok(())
     }

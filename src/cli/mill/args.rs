@@ -78,6 +78,9 @@ pub struct MillArgs {
     /// Say runs of segments as arcs (G2, G3) where the dialect has them and the arc is proven as true as they were
     #[arg(long)]
     pub arcs: bool,
+    /// Write the path as APT cutter-location data, too: the very path that is posted
+    #[arg(long, value_name = "FILE.cl")]
+    pub cl: Option<PathBuf>,
     /// Write report.json and pictures into this folder
     #[arg(long, value_name = "DIR")]
     pub report: Option<PathBuf>,

@@ -1,6 +1,7 @@
 //! `morsemill mill`: from a part to a proven program.
 
 mod args;
+mod cl;
 mod report;
 mod settings;
 
@@ -32,6 +33,7 @@ pub fn run(a: &MillArgs) -> Result<ExitCode, Failure> {
             a.output.display()
         )));
     }
+    cl::check_name(a)?;
     let radius = a.tool.tool.radius;
     let mut progress = Progress::new();
     if a.arcs && !s.post.arcs.has(crate::geom::Plane::Xy) {
@@ -177,7 +179,12 @@ pub fn run(a: &MillArgs) -> Result<ExitCode, Failure> {
         .iter()
         .any(|p| !matches!(p.kind, Kind::Scallop | Kind::Uncut));
     if !dangerous {
+        // Both or neither: a CL file that cannot be said stops the program too.
+        let cl = cl::text(a, &planned.toolpath, &job)?;
         write_whole(&a.output, posted.text.as_bytes())?;
+        if let Some((file, bytes)) = &cl {
+            write_whole(file, bytes)?;
+        }
     }
     to_stdout(|w| {
         show::part(w, &a.part, &loaded, &placement)?;

@@ -1,0 +1,6 @@
+$$ 6:8 the arc's axis is 0, 0.7071, 0.7071: arcs about X, Y or Z can be posted; output points instead
+UNITS/MM
+FEDRAT/100,MMPM
+RAPID
+GOTO/5,0,0
+CIRCLE/0,0,0,0,.7071,.7071,5

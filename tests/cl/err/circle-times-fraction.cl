@@ -1,0 +1,6 @@
+$$ 6:36 CIRCLE: 1.5 must be a whole number of turns
+UNITS/MM
+FEDRAT/100,MMPM
+RAPID
+GOTO/5,0,0
+CIRCLE/0,0,0,0,0,1,5,0,0,0,0,TIMES,1.5

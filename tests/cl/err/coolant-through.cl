@@ -1,0 +1,2 @@
+$$ 2:8 COOLNT is refused: only FLOOD and MIST can be posted: choose one of them, or OFF
+COOLNT/THRU

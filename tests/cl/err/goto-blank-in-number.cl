@@ -1,0 +1,6 @@
+$$ 6:8 found '2' where a comma and another value, or the statement's end, should stand
+UNITS/MM
+FEDRAT/100,MMPM
+RAPID
+GOTO/5,0,0
+GOTO/1 2,3,4

@@ -1,0 +1,6 @@
+$$ 6:8 found 'N' where the statement's end should stand
+UNITS/MM
+FEDRAT/100,MMPM
+RAPID
+GOTO/5,0,0
+GOTO/1,NAN,3

@@ -1,0 +1,2 @@
+$$ 2:6 MODE does not take INCR: it takes MILL
+MODE/INCR

@@ -1,0 +1,6 @@
+$$ 6:22 MOVARC does not take ANGEL: it takes TIMES and a number
+UNITS/MM
+FEDRAT/100,MMPM
+RAPID
+GOTO/5,0,0
+MOVARC/0,0,0,0,0,1,5,ANGEL,90

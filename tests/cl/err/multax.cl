@@ -1,0 +1,2 @@
+$$ 2:8 MULTAX does not take YES: it takes ON or OFF
+MULTAX/YES

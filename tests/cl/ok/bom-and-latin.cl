@@ -1,0 +1,7 @@
+ï»¿UNITS/MM
+PPRINT Fräser ø 6
+RAPID
+GOTO/1,2,3 $$ ü
+END
+FINI
+

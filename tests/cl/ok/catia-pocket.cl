@@ -1,0 +1,40 @@
+$$ -----------------------------------------------------------------
+$$     Generated on Monday, 2 March 2026
+$$ -----------------------------------------------------------------
+$$*CATIA0
+$$ Manufacturing Program.1
+$$    1.00000    0.00000    0.00000    0.00000
+$$    0.00000    1.00000    0.00000    0.00000
+$$    0.00000    0.00000    1.00000    0.00000
+PARTNO PART TO BE MACHINED
+COOLNT/ON
+CUTCOM/OFF
+PPRINT OPERATION NAME : Tool Change.1
+$$ Start generation of : Tool Change.1
+TLAXIS/ 0.000000, 0.000000, 1.000000
+$$ TOOLCHANGEBEGINNING
+CUTTER/ 10.000000,  2.000000,  3.000000,  2.000000,  0.000000,$
+  0.000000, 50.000000
+TPRINT/T1 End Mill D 10,,T1 End Mill D 10
+LOADTL/1,1,1
+$$ TOOLCHANGEEND
+PPRINT OPERATION NAME : Pocketing.1
+SPINDL/ 1200.0000,RPM,CLW
+RAPID
+GOTO  /   20.00000,   30.00000,   50.00000
+FEDRAT/  300.0000,MMPM
+GOTO  /   20.00000,   30.00000,   -5.00000
+FEDRAT/ 1000.0000,MMPM
+GOTO  /   40.00000,   30.00000,   -5.00000
+AUTOPS
+INDIRV/    1.00000,    0.00000,    0.00000
+TLON,GOFWD/ (CIRCLE/   40.00000,   35.00000,   -5.00000,$
+    5.00000),ON,(LINE/   40.00000,   35.00000,   -5.00000,$
+   45.00000,   35.00000,   -5.00000)
+GOTO  /   45.00000,   60.00000,   -5.00000
+RAPID
+GOTO  /   45.00000,   60.00000,   50.00000
+SPINDL/OFF
+REWIND/0
+END
+FINI

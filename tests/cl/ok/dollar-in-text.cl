@@ -1,0 +1,9 @@
+PARTNO / COSTS $12 $$ OR MORE
+UNITS/MM
+PPRINT price 5$
+REMARK a $$ b
+TPRINT/T1 D 6, '$' quoted
+RAPID
+GOTO/1,1,1
+END
+FINI
