@@ -147,6 +147,8 @@ pub struct Program {
     pub end: Vec<Template>,
     /// The very last lines, never numbered: `%`.
     pub last: Vec<Template>,
+    /// A word ends the program; without one the text just ends.
+    pub ends: bool,
     /// The lowest and highest program number.
     pub number: [u32; 2],
     /// Machine Z to go to at the end; `None` to stay.

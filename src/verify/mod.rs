@@ -20,7 +20,7 @@ pub use spelling::Spelling;
 pub use witness::Witness;
 
 use crate::cldata::{Job, Step, steps};
-use crate::gcode::{Dialect, Distance, FeedMode, Interpreter, MotionMode, Plane, Reading, State};
+use crate::gcode::{Dialect, Interpreter, MotionMode, Reading, State};
 use crate::geom::{Point, Vector};
 use crate::post::{Adapter, Post, Posted, Refusal, Rewrite};
 use crate::toolpath::Toolpath;
@@ -135,18 +135,24 @@ pub fn verify(
     witness.finish()
 }
 
-/// Everything a program must not rely on, set against it.
+/// Everything a program must not rely on, set against it: each mode that the dialect has words for, by those words.
 pub fn worst_state(dialect: Dialect, post: &Post) -> State {
-    let mut s = State::new(dialect);
-    s.motion = MotionMode::Linear;
-    s.plane = Plane::Yz;
-    s.distance = Distance::Incremental;
-    s.feed_mode = FeedMode::InverseTime;
-    s.units = match post.units {
-        crate::post::Units::Mm => crate::gcode::Units::Inch,
-        crate::post::Units::Inch => crate::gcode::Units::Mm,
+    let units = match post.units {
+        crate::post::Units::Mm => ["G20", "G70"],
+        crate::post::Units::Inch => ["G21", "G71"],
     };
-    s.work_offset = 1;
+    let mut s = State::new(dialect);
+    // What a dialect does not know, nobody can have left it in.
+    for word in units.iter().chain(&["G19", "G55", "G91", "G93"]) {
+        let text = Cursor::new(word.as_bytes());
+        let Ok(mut said) = Interpreter::from_state(text, s.clone(), Reading::default()) else {
+            continue;
+        };
+        if said.read_all(&mut Vec::new()).is_empty() {
+            s = said.state().clone();
+        }
+    }
+    s.motion = MotionMode::Linear;
     s.feed = MmPerMin(1.0);
     s.speed = Rpm(1.0);
     // So that no place in the work's coordinates is that place in the machine's.

@@ -1,6 +1,6 @@
 //! How a post writes numbers: what a witness may expect to the last decimal.
 
-use crate::post::Post;
+use crate::post::{self, Post};
 
 /// Sizes of the last decimals, and what the dialect leaves unsaid.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -13,6 +13,10 @@ pub struct Spelling {
     pub speed: f64,
     /// ... of a time, s.
     pub time: f64,
+    /// A helix is written by its pole and its angle, so that its end is off by a rounding of each.
+    pub polar: bool,
+    /// The program's end is written; where it is not, the text's end is that.
+    pub ends: bool,
     /// A tool change is written at all.
     pub tools: bool,
 }
@@ -26,6 +30,8 @@ impl Spelling {
             feed: unit(post.feed_decimals()) * post.units.mm(),
             speed: unit(post.decimals.speed),
             time: unit(post.decimals.seconds),
+            polar: post.spelling == post::definition::Spelling::Heidenhain,
+            ends: post.program.ends,
             tools: !post.tool.change.is_empty(),
         }
     }

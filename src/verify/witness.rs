@@ -213,6 +213,19 @@ impl<R: BufRead + Seek> Witness<R> {
             };
         }
         let unit = self.spelling.speed;
+        let now = self.spindle.0;
+        if now != direction
+            && let Some(&Event::Spindle {
+                direction: d,
+                speed: s,
+                ..
+            }) = self.peek()?
+            && d == now
+            && close(s.0, speed.0, unit)
+        {
+            // Where speed and way round are two lines, the one comes before the other.
+            self.take();
+        }
         let turns = self.spindle.0 == direction && close(self.spindle.1, speed.0, unit);
         match self.peek()? {
             _ if turns => {}
@@ -387,8 +400,19 @@ impl<R: BufRead + Seek> Witness<R> {
             return Ok(());
         };
         let unit = self.spelling.unit();
+        let polar = self.spelling.polar && meant.bow.is_some();
         let shape_ok = match (&m.arc, meant.bow) {
             (None, None) => true,
+            // A pole may stand beside the centre: what counts is the way between the ends. Of a helix nearly once round, the ends
+            // being rounded moves the far side by twice as much as the pole.
+            (Some(arc), Some(bow)) if polar => {
+                let off = halfway(&m.from, &arc.center, arc.sweep, bow.plane)
+                    - halfway(&m.from, &bow.center, bow.sweep, bow.plane);
+                arc.plane == bow.plane
+                    && arc.clockwise == (bow.sweep < 0.0)
+                    && (arc.sweep - bow.sweep).abs() < PI
+                    && off.norm() < 4.0 * unit
+            }
             (Some(arc), Some(bow)) => same_arc(arc, bow, unit),
             // An arc shorter than the last decimal tells is a straight line.
             (None, Some(bow)) => {
@@ -400,7 +424,8 @@ impl<R: BufRead + Seek> Witness<R> {
             }
             (Some(_), None) => false,
         };
-        let there = (0..3).all(|k| close(m.to[k], meant.to[k], unit));
+        let off = if polar { 2.0 * unit } else { unit };
+        let there = (0..3).all(|k| close(m.to[k], meant.to[k], off));
         let alike = m.kind == MotionKind::Feed && !m.inverse_time && !m.machine_coordinates;
         if !alike || !shape_ok || !there || !close(m.feed.0, meant.feed.0, self.spelling.feed) {
             return Err(self.differs(m.line, format!("{} where {} was meant", say(&m), wanted())));
@@ -448,10 +473,16 @@ impl<R: BufRead + Seek> Witness<R> {
     /// Everything off, then the end, then nothing.
     fn end(&mut self) -> Result<(), VerifyError> {
         let mut turns = self.spindle.0 != 0;
+        let ends = self.spelling.ends;
         loop {
             self.settle()?;
             match self.peek()? {
-                None => return Err(self.over("its end (M2 or M30)")),
+                None if ends => return Err(self.over("its end (M2 or M30)")),
+                None if turns => return Err(self.over("the spindle's stop")),
+                None => {
+                    self.ended = true;
+                    return Ok(());
+                }
                 Some(Event::Spindle { direction: 0, .. }) => turns = false,
                 Some(Event::Coolant {
                     flood: false,
@@ -506,6 +537,17 @@ impl Meant<'_> {
         let to = place(&std::array::from_fn(|k| Some(self.to[k])));
         format!("a Feed to {to}{arc} at {} mm/min", self.feed.0)
     }
+}
+
+/// Half the way round from a place about a centre, in the plane.
+fn halfway(from: &Point, center: &Point, sweep: f64, plane: Plane) -> Point {
+    let [a, b, _] = plane.axes();
+    let (u, v) = (from[a] - center[a], from[b] - center[b]);
+    let (sin, cos) = (0.5 * sweep).sin_cos();
+    let mut to = *from;
+    to[a] = center[a] + u * cos - v * sin;
+    to[b] = center[b] + u * sin + v * cos;
+    to
 }
 
 /// The same way round about the same centre, and about as far: ends are compared elsewhere.

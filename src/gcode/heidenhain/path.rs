@@ -233,7 +233,14 @@ fn machine_place(job: &Job, words: &Words) -> Point {
             to[axis] = c.value * job.mm();
         }
     }
-    job.desk.state.work_of_machine(&to)
+    let mut work = job.desk.state.work_of_machine(&to);
+    for (axis, c) in words.axes.iter().enumerate() {
+        if c.is_none() {
+            // To the last bit: what is not named stays.
+            work[axis] = job.desk.state.position[axis];
+        }
+    }
+    work
 }
 
 /// The pole at the tool's height.

@@ -340,10 +340,17 @@ fn place(job: &Job, block: &Block, machine: bool, suppressed: bool) -> Result<Po
             };
         }
     }
-    Ok(match machine {
-        true => state.work_of_machine(&to),
-        false => to,
-    })
+    if machine {
+        let work = state.work_of_machine(&to);
+        for (axis, c) in block.axes.iter().enumerate() {
+            // To the last bit: what is not named stays.
+            to[axis] = match c {
+                Some(_) => work[axis],
+                None => state.position[axis],
+            };
+        }
+    }
+    Ok(to)
 }
 
 /// The block's arc, with its end, which AR may give.

@@ -335,6 +335,7 @@ impl Hand<'_, '_> {
             start: self.lines("start", Some(&p.start), START),
             end: self.lines("end", Some(&p.end), &[Slot::Name, Slot::Units]),
             last: self.lines("last", p.last.as_ref(), TITLE),
+            ends: !p.ends_with.get_ref().is_empty(),
             number,
             retract_z: self.retract(p.retract_z_mm.as_ref()),
         }

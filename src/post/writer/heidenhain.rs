@@ -20,7 +20,10 @@ impl<W: Write> Scribe<'_, W> {
         }
         self.page.begin(Kind::Words);
         self.page.word("L");
-        self.axes(to, self.post.modal.axes);
+        self.axes(to, self.post.modal.axes && self.adrift.is_none());
+        if to[0].is_some() && to[1].is_some() {
+            self.adrift = None;
+        }
         match feed {
             None => {
                 self.page.word("R0");
@@ -43,23 +46,35 @@ impl<W: Write> Scribe<'_, W> {
     ) -> Result<(), Refusal> {
         let manner = self.post.numbers;
         let way = if circle.sweep < 0.0 { "DR-" } else { "DR+" };
-        if self.pole != Some(circle.center) {
+        let climb = self.at[2].zip(to[2]).map_or(0, |(from, to)| to - from);
+        let start = match (self.adrift, self.at) {
+            (Some(start), _) => Some(start),
+            // Counts of eight digits: exact.
+            (_, [Some(x), Some(y), _]) => Some([x as f64, y as f64]),
+            _ => None,
+        };
+        let (pole, sweep) = match (start, to) {
+            (Some(start), [Some(u), Some(v), _]) if climb != 0 => {
+                polar(circle, start, [u as f64, v as f64])
+            }
+            _ => (circle.center.map(|c| 10 * c), circle.sweep),
+        };
+        if self.pole != Some(pole) {
             self.page.begin(Kind::Words);
             self.page.word("CC");
-            self.page
-                .figure("X", circle.center[0], self.decimals, manner);
-            self.page
-                .figure("Y", circle.center[1], self.decimals, manner);
+            // A place of the tool has one decimal less than the controller reads (0.1 um).
+            self.page.figure("X", pole[0], self.decimals + 1, manner);
+            self.page.figure("Y", pole[1], self.decimals + 1, manner);
             self.page.end()?;
-            self.pole = Some(circle.center);
+            self.pole = Some(pole);
         }
-        let climb = self.at[2].zip(to[2]).map_or(0, |(from, to)| to - from);
         self.page.begin(Kind::Words);
         if climb == 0 {
             self.page.word("C");
             self.axes([to[0], to[1], None], false);
+            self.adrift = None;
         } else {
-            let turn = number::round(circle.sweep.to_degrees(), self.post.decimals.angle);
+            let turn = number::round(sweep.to_degrees(), self.post.decimals.angle);
             let turn = turn.ok_or(Refusal::Cannot {
                 what: "helix of so many turns",
                 remedy: "let it be split into arcs",
@@ -73,6 +88,14 @@ impl<W: Write> Scribe<'_, W> {
                 .figure("IPA", turn, self.post.decimals.angle, signed);
             self.page.figure("IZ", climb, self.decimals, manner);
             self.at = to;
+            // Where the angle as written leads.
+            let told = (turn as f64 * 0.1_f64.powi(i32::from(self.post.decimals.angle))).to_radians();
+            self.adrift = start.map(|[x, y]| {
+                let [u, v] = pole.map(|c| 0.1 * c as f64);
+                let (a, b) = (x - u, y - v);
+                let (sin, cos) = told.sin_cos();
+                [u + a * cos - b * sin, v + a * sin + b * cos]
+            });
         }
         self.page.word(way);
         self.feed_word(feed);
@@ -80,4 +103,35 @@ impl<W: Write> Scribe<'_, W> {
         self.last_motion = self.page.lines;
         Ok(())
     }
+}
+
+/// So much may start and end differ in their distances from a pole, in units of the last decimal.
+const LEFT: f64 = 0.25;
+
+/// The pole of a helix, in tenths of a count, and its angle. Its end is where the angle leads from the start, at the start's distance from
+/// the pole: so the pole is moved off the rounded centre until it is about as far from start as from end, and the angle is the one seen
+/// from there.
+fn polar(circle: &Circle, start: [f64; 2], end: [f64; 2]) -> ([i64; 2], f64) {
+    let [x, y] = circle.center.map(|c| c as f64);
+    let (dx, dy) = (end[0] - start[0], end[1] - start[1]);
+    let chord = dx.hypot(dy);
+    let mut pole = [x, y];
+    // Back to the start, every centre will do.
+    if chord > 1.0 {
+        let middle = [0.5 * (start[0] + end[0]), 0.5 * (start[1] + end[1])];
+        let off = ((x - middle[0]) * dx + (y - middle[1]) * dy) / chord;
+        let miss = (start[0] - x).hypot(start[1] - y) - (end[0] - x).hypot(end[1] - y);
+        // No further than it must be: what it gains at the end it loses halfway.
+        let by = off * (1.0 - LEFT / miss.abs()).max(0.0);
+        // Rounding has put it out by a few units; by more, start and end have never been on one circle.
+        if by.abs() < 20.0 {
+            pole = [x - by * dx / chord, y - by * dy / chord];
+        }
+    }
+    let pole = pole.map(|c| (10.0 * c).round() as i64);
+    let [u, v] = pole.map(|c| 0.1 * c as f64);
+    let (a, b, c, d) = (start[0] - u, start[1] - v, end[0] - u, end[1] - v);
+    let turn = (a * d - b * c).atan2(a * c + b * d);
+    let turns = ((circle.sweep - turn) / std::f64::consts::TAU).round();
+    (pole, turn + turns * std::f64::consts::TAU)
 }

@@ -57,6 +57,8 @@ pub(super) struct Scribe<'a, W> {
     pub plane: Option<Plane>,
     /// Heidenhain's circle centre.
     pub pole: Option<[i64; 2]>,
+    /// Heidenhain: where in the plane a helix by its angle has left the tool, in units of the last decimal, until a line says the place.
+    pub adrift: Option<[f64; 2]>,
     /// Length compensation waits for a rapid that names Z.
     pub length_waits: bool,
     pub decimals: u8,
@@ -128,6 +130,7 @@ impl<'a, W: Write> Scribe<'a, W> {
             // Where there is but one plane no word chooses it.
             plane: (says(17.0) || post.arcs.planes == [true, false, false]).then_some(Plane::Xy),
             pole: None,
+            adrift: None,
             length_waits: false,
             decimals,
             feed_decimals,
