@@ -431,34 +431,27 @@ impl<R: BufRead + Seek> Interpreter<R> {
             let (closing, opening) = ("M99".into(), "M98".into());
             return Err(flow(m99.at, FlowComplaint::NotOpened { closing, opening }));
         }
+        let start = m99.at as u32;
+        let to = match (kind, to) {
+            (Kind::Main, Some((n, at))) => Some(self.line_number(n, at)?),
+            // To a line of the program that called, looked for from behind its call.
+            (_, Some((n, at))) if left == 0 => Some(self.callers_line_number(n, at)?),
+            _ => None,
+        };
         self.expanded_words(&line, here.line, events)?;
-        match (kind, to) {
-            (Kind::Main, None) => {
-                let frame = self.frame();
-                frame.loops.clear();
-                let top = frame.scope;
-                self.jump(top).map_err(|f| Fault {
-                    offset: m99.at as u32,
-                    ..f
-                })
-            }
-            (Kind::Main, Some((n, at))) => {
-                let place = self.line_number(n, here.line, at)?;
-                self.leave_loops(place.line);
-                self.jump(place).map_err(|f| Fault {
-                    offset: m99.at as u32,
-                    ..f
-                })
-            }
-            (_, Some((n, at))) if left == 0 => {
-                // To a line of the program that called.
-                self.give_back()?;
-                let place = self.line_number(n, here.line, at)?;
-                self.leave_loops(place.line);
-                self.jump(place)
-            }
-            _ => self.give_back(),
+        if kind != Kind::Main {
+            self.give_back()?;
+        } else if to.is_none() {
+            let frame = self.frame();
+            frame.loops.clear();
+            let top = frame.scope;
+            return self.jump(top).map_err(|f| Fault { offset: start, ..f });
         }
+        let Some(to) = to else {
+            return Ok(());
+        };
+        self.leave_loops(to.line);
+        self.jump(to).map_err(|f| Fault { offset: start, ..f })
     }
 
     /// M97 (Haas): a subprogram of the same program, by line number.
@@ -480,7 +473,7 @@ impl<R: BufRead + Seek> Interpreter<R> {
         line.strike(m97);
         line.strike(p);
         let times = self.repetitions(&mut line, b'L', 1)?;
-        let place = self.line_number(number, here.line, p.at)?;
+        let place = self.line_number(number, p.at)?;
         self.may_call(m97.at)?;
         let scope = self.frame().scope;
         self.expanded_words(&line, here.line, events)?;
@@ -531,8 +524,32 @@ impl<R: BufRead + Seek> Interpreter<R> {
         self.enter(Frame { arguments, ..frame })
     }
 
-    /// The line of this program that carries a number: the next below the line `from`, else from the program's beginning.
-    fn line_number(&mut self, number: u32, from: usize, at: usize) -> Result<LineStart, Fault> {
+    /// The line of this program that carries a number: the next below, else from the program's beginning.
+    fn line_number(&mut self, number: u32, at: usize) -> Result<LineStart, Fault> {
+        let (start, scope) = (self.source.place(), self.frame().scope);
+        self.numbered_line(number, start, scope, at)
+    }
+
+    /// The same in the program that called this one.
+    fn callers_line_number(&mut self, number: u32, at: usize) -> Result<LineStart, Fault> {
+        let start = self.frame().back;
+        let caller = self.frames.len().saturating_sub(2);
+        let scope = self.frames.get(caller).map_or(start, |f| f.scope);
+        let here = self.source.place();
+        self.source.go(start).map_err(|e| unreadable(&e))?;
+        let found = self.numbered_line(number, start, scope, at);
+        self.source.go(here).map_err(|e| unreadable(&e))?;
+        found
+    }
+
+    /// The line with a number, from `start` (where the source stands) down, else from `scope` down to `start`.
+    fn numbered_line(
+        &mut self,
+        number: u32,
+        start: LineStart,
+        scope: LineStart,
+        at: usize,
+    ) -> Result<LineStart, Fault> {
         let is = |text: &str| {
             let first = text.trim_start().bytes().next();
             match first {
@@ -542,16 +559,14 @@ impl<R: BufRead + Seek> Interpreter<R> {
             }
         };
         let label: Box<str> = format!("N{number}").into();
-        let mut found = self.ahead(from, &format!("{label} below"), is)?;
+        let mut found = self.ahead(start.line, &format!("{label} below"), is)?;
         if found.is_none() {
-            let (back, scope) = (self.source.place(), self.frame().scope);
             let scan = self.source.go(scope).and_then(|()| {
-                let what = format!("{label} above");
-                self.labels
-                    .ahead(&mut self.source, (from, &what), from + 1, is)
+                let what = (start.line, &*format!("{label} above"));
+                self.labels.ahead(&mut self.source, what, start.line, is)
             });
             found = scan.map_err(|e| unreadable(&e))?;
-            self.source.go(back).map_err(|e| unreadable(&e))?;
+            self.source.go(start).map_err(|e| unreadable(&e))?;
         }
         match found {
             Some(found) => Ok(found.line),
@@ -569,7 +584,7 @@ impl<R: BufRead + Seek> Interpreter<R> {
         let number = whole(value, place, "the line number of GOTO", 1, LARGEST)?;
         self.alone(text, behind, "GOTO")?;
         self.begun = true;
-        let to = self.line_number(number, here.line, place)?;
+        let to = self.line_number(number, place)?;
         self.leave_loops(to.line);
         let start = at.saturating_sub("GOTO".len()) as u32;
         self.jump(to).map_err(|f| Fault { offset: start, ..f })
