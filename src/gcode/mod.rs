@@ -28,6 +28,8 @@ pub mod error;
 pub mod event;
 mod execute;
 mod expression;
+mod expression_complaint;
+mod expression_function;
 mod flow;
 mod heidenhain;
 pub mod interpret;
