@@ -28,6 +28,11 @@ fn has_variables(dialect: Dialect) -> bool {
     has_macros(dialect) || is_ngc(dialect)
 }
 
+/// Numbered programs, M98, M99. Okuma calls otherwise (CALL, RTS), and so does EdingCNC (GOSUB): both are refused as unknown words.
+fn has_programs(dialect: Dialect) -> bool {
+    !matches!(dialect, Dialect::Okuma | Dialect::Eding)
+}
+
 /// `o100 sub`, `o100 if`.
 pub(super) fn has_owords(dialect: Dialect) -> bool {
     matches!(dialect, Dialect::LinuxCnc | Dialect::Planet)
@@ -62,6 +67,7 @@ impl<R: BufRead + Seek> Interpreter<R> {
         {
             return Ok(());
         }
+        // Okuma's programs have numbers, too, but nothing here calls them.
         if rest.starts_with(['O', 'o', ':']) && dialect != Dialect::Eding {
             return self.program_line(text, front, here);
         }
@@ -167,10 +173,10 @@ impl<R: BufRead + Seek> Interpreter<R> {
             return Err(flow(other.at, FlowComplaint::StatementAlone { statement }));
         }
         self.begun |= !(line.words.is_empty() && line.settings.is_empty());
-        if let Some(call) = line.find(b'M', 98.0) {
+        if let Some(call) = line.find(b'M', 98.0).filter(|_| has_programs(dialect)) {
             return self.call(line, call, here, events);
         }
-        if let Some(back) = line.find(b'M', 99.0) {
+        if let Some(back) = line.find(b'M', 99.0).filter(|_| has_programs(dialect)) {
             return self.back(line, back, here, events);
         }
         if let Some(call) = line.find(b'M', 97.0).filter(|_| dialect == Dialect::Haas) {
