@@ -17,147 +17,10 @@
 
 use super::dialect::Dialect;
 use super::error::{Complaint, Fault};
+pub use super::expression_complaint::ExpressionComplaint;
 use super::parameter::{Parameter, Parameters};
 use super::state::State;
 use super::word::MAX_COLUMN;
-
-/// What is wrong with an expression or a variable.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum ExpressionComplaint {
-    /// Something that is no value.
-    #[error(
-        "found {found:?} where a value should stand (a number, # and a variable, [ ], or a function): correct the expression"
-    )]
-    NoValue {
-        /// What stands there.
-        found: char,
-    },
-    /// The line ends where a value should stand.
-    #[error("the line ends where a value should stand: complete the expression")]
-    Ends,
-    /// Something that is no operator.
-    #[error("found {found:?} where an operator or ] should stand: correct the expression")]
-    NoOperator {
-        /// What stands there.
-        found: char,
-    },
-    /// A bracket is not closed.
-    #[error("the bracket is not closed: put ] behind the expression")]
-    Open,
-    /// A function without its bracket.
-    #[error("{function} needs its value in brackets: write {function}[ ... ]")]
-    FunctionBracket {
-        /// Its name.
-        function: Box<str>,
-    },
-    /// A function that is none.
-    #[error(
-        "{function} is no function of this controller: use ABS ACOS ASIN ATAN COS EXP FIX FUP LN ROUND SIN SQRT TAN"
-    )]
-    NoFunction {
-        /// What stands there.
-        function: Box<str>,
-    },
-    /// ATAN with one value where two are needed.
-    #[error("ATAN takes two values: write ATAN[ ... ]/[ ... ]")]
-    AtanTwo,
-    /// EXISTS of something that has no name.
-    #[error("EXISTS takes the name of a variable: write EXISTS[#<name>]")]
-    ExistsName,
-    /// Brackets in brackets.
-    #[error(
-        "brackets inside brackets, more than {limit} deep: compute a part of it on a line before"
-    )]
-    TooDeep {
-        /// The limit.
-        limit: u32,
-    },
-    /// Division by zero.
-    #[error("division by zero: a variable has a value that the program was not made for")]
-    DivisionByZero,
-    /// A function outside what it is defined for.
-    #[error(
-        "{function} of {value} does not exist: a variable has a value that the program was not made for"
-    )]
-    Domain {
-        /// Its name.
-        function: &'static str,
-        /// Of what.
-        value: f64,
-    },
-    /// The angle that comes out depends on a setting of the control.
-    #[error(
-        "{function} gives {angle:.4} or {other:.4} degrees here, by a setting of the control: write the program so that it does not matter"
-    )]
-    AngleRange {
-        /// Its name.
-        function: &'static str,
-        /// One of the two, degrees.
-        angle: f64,
-        /// The other.
-        other: f64,
-    },
-    /// Too large, or no number.
-    #[error("the result is no number that can be used (too large): check the values")]
-    NotFinite,
-    /// AND, OR, XOR of something that has no bits.
-    #[error(
-        "AND, OR and XOR work on the bits of whole numbers from 0, here on {value}: compare first"
-    )]
-    Bits {
-        /// The value.
-        value: f64,
-    },
-    /// A variable that was never set.
-    #[error("{name} has no value here: set it on a line before")]
-    Unset {
-        /// The variable.
-        name: Box<str>,
-    },
-    /// A variable whose value only the machine knows.
-    #[error(
-        "{name} is known to the machine only (kept from earlier runs, or its own state): set it in the program"
-    )]
-    Unknown {
-        /// The variable.
-        name: Box<str>,
-    },
-    /// A variable that does not exist.
-    #[error("{name} is no variable of this controller: use another number")]
-    NoSuch {
-        /// The variable.
-        name: Box<str>,
-    },
-    /// A variable that a program cannot set, or whose setting would do more than this reader knows.
-    #[error(
-        "{name} cannot be set here (it belongs to the machine): use a variable of the program's own"
-    )]
-    ReadOnly {
-        /// The variable.
-        name: Box<str>,
-    },
-    /// More names than anyone writes.
-    #[error("more than {limit} named variables: use fewer")]
-    TooManyNames {
-        /// The limit.
-        limit: usize,
-    },
-    /// A variable's number that is none.
-    #[error("the number of a variable must be whole and not negative, here it is {value}")]
-    NotWhole {
-        /// What it is.
-        value: f64,
-    },
-    /// A name that is not closed.
-    #[error("the variable's name is not closed: put > behind it")]
-    NameOpen,
-    /// A setting without its equals sign.
-    #[error("{name} stands where a word should begin: to set it write {name}= and a value")]
-    NoEquals {
-        /// The variable.
-        name: Box<str>,
-    },
-}
 
 /// Deepest brackets; Fanuc's own limit is five (alarm 118).
 const DEEPEST: u32 = 32;
@@ -217,9 +80,9 @@ pub(super) struct Evaluator<'a> {
     /// Where reading goes on.
     pub at: usize,
     dialect: Dialect,
-    ngc: bool,
-    parameters: &'a Parameters,
-    state: &'a State,
+    pub(super) ngc: bool,
+    pub(super) parameters: &'a Parameters,
+    pub(super) state: &'a State,
     depth: u32,
 }
 
@@ -270,7 +133,7 @@ impl<'a> Evaluator<'a> {
             .into_boxed_str()
     }
 
-    fn no_value(&mut self) -> Fault {
+    pub(super) fn no_value(&mut self) -> Fault {
         self.peek();
         let complaint = match self.found() {
             Some(found) => ExpressionComplaint::NoValue { found },
@@ -295,7 +158,7 @@ impl<'a> Evaluator<'a> {
         self.finite(if negative { -value } else { value }, start)
     }
 
-    fn finite(&self, value: f64, at: usize) -> Result<Value, Fault> {
+    pub(super) fn finite(&self, value: f64, at: usize) -> Result<Value, Fault> {
         match value.is_finite() {
             true => Ok(Value::Number(value)),
             false => Err(fault(at, ExpressionComplaint::NotFinite)),
@@ -526,129 +389,6 @@ impl<'a> Evaluator<'a> {
             .collect();
         self.at += length + 2;
         Ok(Parameter::Name(name.into_boxed_str()))
-    }
-
-    fn function(&mut self) -> Result<Value, Fault> {
-        let at = self.at;
-        let function = self.letters();
-        let known = [
-            "ABS", "ACOS", "ASIN", "ATAN", "COS", "EXISTS", "EXP", "FIX", "FUP", "LN", "ROUND",
-            "SIN", "SQRT", "TAN",
-        ];
-        let known = known.into_iter().filter(|k| *k != "EXISTS" || self.ngc);
-        let Some(name) = known.into_iter().find(|k| *k == &*function) else {
-            return Err(fault(at, ExpressionComplaint::NoFunction { function }));
-        };
-        self.at += name.len();
-        if self.peek() != Some(b'[') {
-            return Err(fault(at, ExpressionComplaint::FunctionBracket { function }));
-        }
-        if name == "EXISTS" {
-            return self.exists(at);
-        }
-        let x = self.bracket()?.number()?;
-        if name == "ATAN" {
-            return self.atan(x, at);
-        }
-        let degrees = x.to_radians();
-        let domain = |ok: bool| match ok {
-            true => Ok(()),
-            false => Err(fault(
-                at,
-                ExpressionComplaint::Domain {
-                    function: name,
-                    value: x,
-                },
-            )),
-        };
-        let value = match name {
-            "ABS" => x.abs(),
-            "ACOS" | "ASIN" => {
-                domain((-1.0..=1.0).contains(&x))?;
-                let angle = if name == "ACOS" { x.acos() } else { x.asin() };
-                self.angle(name, angle.to_degrees(), at)?
-            }
-            "COS" => degrees.cos(),
-            "SIN" => degrees.sin(),
-            "TAN" => {
-                domain(degrees.cos().abs() > 1e-12)?;
-                degrees.tan()
-            }
-            "EXP" => x.exp(),
-            "LN" => {
-                domain(x > 0.0)?;
-                x.ln()
-            }
-            "SQRT" => {
-                domain(x >= 0.0)?;
-                x.sqrt()
-            }
-            // RS274/NGC rounds down and up on the number line, Macro B towards zero and away from it.
-            "FIX" if self.ngc => x.floor(),
-            "FUP" if self.ngc => x.ceil(),
-            "FIX" => x.trunc(),
-            "FUP" => x.abs().ceil() * x.signum(),
-            _ => x.round(),
-        };
-        self.finite(value, at)
-    }
-
-    /// Negative angles: whether Fanuc's family gives them as such or from 0 to 360 is a setting (parameter 6004).
-    fn angle(&self, function: &'static str, angle: f64, at: usize) -> Result<f64, Fault> {
-        if self.ngc || angle >= 0.0 {
-            return Ok(angle);
-        }
-        let other = angle + 360.0;
-        Err(fault(
-            at,
-            ExpressionComplaint::AngleRange {
-                function,
-                angle,
-                other,
-            },
-        ))
-    }
-
-    fn atan(&mut self, y: f64, at: usize) -> Result<Value, Fault> {
-        let slash = self.peek() == Some(b'/');
-        if !slash && self.ngc {
-            return Err(fault(at, ExpressionComplaint::AtanTwo));
-        }
-        if !slash {
-            return self.finite(y.atan().to_degrees(), at);
-        }
-        let before = self.at;
-        self.at += 1;
-        if self.peek() != Some(b'[') {
-            if self.ngc {
-                return Err(fault(at, ExpressionComplaint::AtanTwo));
-            }
-            // One value, divided by what follows.
-            self.at = before;
-            return self.finite(y.atan().to_degrees(), at);
-        }
-        let x = self.bracket()?.number()?;
-        if x == 0.0 && y == 0.0 {
-            let (function, value) = ("ATAN[0]/[0]: the angle", 0.0);
-            return Err(fault(at, ExpressionComplaint::Domain { function, value }));
-        }
-        let angle = self.angle("ATAN", y.atan2(x).to_degrees(), at)?;
-        self.finite(angle, at)
-    }
-
-    fn exists(&mut self, at: usize) -> Result<Value, Fault> {
-        let complaint = || Err(fault(at, ExpressionComplaint::ExistsName));
-        if !self.take(b'[') || self.peek() != Some(b'#') {
-            return complaint();
-        }
-        let Parameter::Name(name) = self.parameter()? else {
-            return complaint();
-        };
-        if !self.take(b']') {
-            return complaint();
-        }
-        let there = self.parameters.exists(&name, self.state);
-        Ok(Value::Number(f64::from(u8::from(there))))
     }
 }
 

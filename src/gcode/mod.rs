@@ -4,9 +4,11 @@
 //! never any knowledge of `post`: the two are each other's witness.
 //!
 //! ```text
-//! word -> block -> check -> execute -> event        interpret: all of it, for a line or a program
+//! word -> block -> check -> execute -> event        interpret: all of it, for a line or a program in memory
 //! letters  one      against  carried    what the
 //! numbers  line     state    out        machine is told
+//!
+//! source -> program (expression, parameter, flow)   programs of any length: order of lines, calls, loops, variables
 //! ```
 //!
 //! ```
@@ -30,6 +32,8 @@ pub mod error;
 pub mod event;
 mod execute;
 mod expression;
+mod expression_complaint;
+mod expression_function;
 mod flow;
 mod heidenhain;
 pub mod interpret;

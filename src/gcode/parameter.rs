@@ -182,11 +182,10 @@ impl Parameters {
             Parameter::Number(n) => matches!(n, 1..=33 | 100..=999),
             Parameter::Name(n) if n.starts_with('_') => {
                 let probe = State::new(Dialect::LinuxCnc);
-                n.len() > 1
-                    && !matches!(&**n, "_value" | "_value_returned")
-                    && !n.starts_with("_ini[")
-                    && !n.starts_with("_hal[")
-                    && !(self.linuxcnc && predefined(n, &probe).is_some())
+                let state = self.linuxcnc && predefined(n, &probe).is_some();
+                let fixed = matches!(&**n, "_" | "_value" | "_value_returned");
+                let machine = n.starts_with("_ini[") || n.starts_with("_hal[");
+                !state && !fixed && !machine
             }
             Parameter::Name(n) => !n.is_empty(),
         };

@@ -1,5 +1,6 @@
 //! Programs read by the interpreter, dialect by dialect: those under `tests/gcode/err` are refused with exactly the errors they name, those
 //! under `tests/gcode/ok` come to exactly the events beside them. `tests/gcode/README.md` says how both are written.
+#![allow(clippy::unwrap_used)]
 
 use morsemill::gcode::{
     Dialect, Event, InterpretError, Interpreter, Motion, Plane, Reading, State,

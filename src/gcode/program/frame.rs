@@ -237,4 +237,35 @@ impl<R: BufRead + Seek> Interpreter<R> {
             .ahead(&mut self.source, (from, what), usize::MAX, kind);
         found.map_err(|e| unreadable(&e))
     }
+
+    /// The text is over, or a `%` says so.
+    pub(super) fn end_of_text(&mut self) -> Result<(), Fault> {
+        let tongue = !matches!(self.language, Language::Words | Language::Fed);
+        let frame = self.frame();
+        if frame.kind == Kind::Main {
+            let open = frame.loops.first().map(|l| (l.label.clone(), l.kind));
+            self.over = true;
+            return match open {
+                Some((label, LoopKind::If(_))) => {
+                    let (opening, closing) = (
+                        format!("{label} if").into(),
+                        format!("{label} endif").into(),
+                    );
+                    Err(flow(0, FlowComplaint::NotClosed { opening, closing }))
+                }
+                _ => Ok(()),
+            };
+        }
+        // Siemens, Heidenhain: the program's end is the subprogram's.
+        if tongue {
+            return self.give_back();
+        }
+        let label = frame.label.clone();
+        let end = match frame.kind {
+            Kind::Subroutine => format!("{label} endsub").into(),
+            _ => "M99".into(),
+        };
+        self.over = true;
+        Err(flow(0, FlowComplaint::NoReturn { label, end }))
+    }
 }

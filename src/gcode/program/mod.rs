@@ -11,10 +11,13 @@
 //!
 //! Controllers that are fed line by line (GRBL and its kin, Marlin, ...) have none of this: their lines go straight through.
 
+mod calls;
 mod complaint;
 mod expand;
 mod frame;
+mod front;
 mod labels;
+mod macros;
 mod oword;
 mod tongue;
 mod words;

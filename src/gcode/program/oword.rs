@@ -4,8 +4,8 @@
 //! its partners by the same label, so what is skipped is found by label alone.
 
 use super::frame::{Frame, Kind, Loop, LoopKind};
+use super::front::{front, whole};
 use super::labels::Found;
-use super::words::{front, whole};
 use super::{FlowComplaint, Interpreter, flow};
 use crate::gcode::error::Fault;
 use crate::gcode::expression::Evaluator;
