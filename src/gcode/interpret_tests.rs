@@ -32,7 +32,11 @@ fn number(c: &Complaint) -> u8 {
         Unused { .. } => 36,
         ToolLengthAxis => 37,
         ToolNumber { .. } => 38,
-        ArcRadiusZero | CommentOpen | CommentNested | WholeNumber { .. } | Heidenhain(_)
+        ArcRadiusZero
+        | CommentOpen
+        | CommentNested
+        | WholeNumber { .. }
+        | Heidenhain(_)
         | Siemens(_) => 20,
     }
 }

@@ -250,7 +250,10 @@ fn parameter_lines(job: &mut Job) -> Result<(), Fault> {
 /// Cycle 247: the preset from now on, 1 to 6.
 fn preset(job: &mut Job, number: f64, at: u32) -> Result<(), Fault> {
     let Some(index) = (0..6).find(|i| number == f64::from(*i as u32 + 1)) else {
-        let (name, range) = (Name::of("Q339"), "a preset from 1 to 6 (this reader knows six)");
+        let (name, range) = (
+            Name::of("Q339"),
+            "a preset from 1 to 6 (this reader knows six)",
+        );
         return wrong(at, Wrong::Range { name, range });
     };
     job.modes.pole = None;
@@ -304,9 +307,8 @@ pub(super) fn run(job: &mut Job, at: u32) -> Result<(), Fault> {
     let mm = job.mm();
     let length = |parameter: u32| value(parameter).unwrap_or_default() * mm;
     let seconds = |parameter: u32| value(parameter).unwrap_or_default();
-    let feed = |job: &Job, parameter: u32| {
-        MmPerMin(value(parameter).unwrap_or_default() * feed_unit(job))
-    };
+    let feed =
+        |job: &Job, parameter: u32| MmPerMin(value(parameter).unwrap_or_default() * feed_unit(job));
     let range = |name: &str, range: &'static str| {
         let name = Name::of(name);
         wrong(at, Wrong::Range { name, range })
@@ -325,7 +327,10 @@ pub(super) fn run(job: &mut Job, at: u32) -> Result<(), Fault> {
     if feed(job, 206).0 <= 0.0 {
         return range("Q206", "a feed above zero");
     }
-    if [seconds(210), seconds(211)].iter().any(|s| !(0.0..=3600.0).contains(s)) {
+    if [seconds(210), seconds(211)]
+        .iter()
+        .any(|s| !(0.0..=3600.0).contains(s))
+    {
         return range("Q210 and Q211", "seconds from 0 to 3600");
     }
     let surface = length(203) + job.modes.shift.z;

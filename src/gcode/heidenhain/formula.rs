@@ -13,9 +13,9 @@ pub(super) fn value(job: &mut Job) -> Result<f64, Fault> {
     sum(job, 0)
 }
 
-/// A finite result.
+/// A result that is a number and not beyond all measure.
 pub(super) fn sound(value: f64, what: &'static str, at: u32) -> Result<f64, Fault> {
-    if value.is_finite() {
+    if value.is_finite() && value.abs() <= 1e15 {
         Ok(value)
     } else {
         wrong(at, Wrong::NoNumber { what })
@@ -109,9 +109,16 @@ fn operand(job: &mut Job, depth: u32) -> Result<f64, Fault> {
 fn function(job: &mut Job, depth: u32) -> Result<f64, Fault> {
     let at = job.scan.at();
     let whole = job.scan.rest().as_bytes();
-    let length = whole.iter().take_while(|b| b.is_ascii_alphabetic() && **b != b'Q');
+    let length = whole
+        .iter()
+        .take_while(|b| b.is_ascii_alphabetic() && **b != b'Q');
     let length = length.count();
-    let name = job.scan.rest().get(..length).unwrap_or_default().to_ascii_uppercase();
+    let name = job
+        .scan
+        .rest()
+        .get(..length)
+        .unwrap_or_default()
+        .to_ascii_uppercase();
     // SQRT and SQ hold a Q themselves.
     let name = match name.as_str() {
         "S" if job.scan.take_text("SQRT") => "SQRT".to_string(),

@@ -30,7 +30,10 @@ pub(super) fn target(job: &mut Job, command: &'static str) -> Result<Label, Faul
 /// `LBL 5` is passed; `LBL 0` ends the subprogram, and is passed where none was called.
 pub(super) fn label(job: &mut Job, at: u32) -> Said {
     let Some(label) = name(&mut job.scan) else {
-        let (command, what) = ("LBL", "a number from 0 to 65535, or a name in quotation marks");
+        let (command, what) = (
+            "LBL",
+            "a number from 0 to 65535, or a name in quotation marks",
+        );
         return wrong(at, Wrong::Missing { command, what });
     };
     job.end_of_block()?;
@@ -66,7 +69,10 @@ pub(super) fn call(job: &mut Job, at: u32) -> Said {
         // Older controls write how many are left behind the number: all of them, before the program runs.
         let left = words::whole(job, "REP", 65534, "a whole number from 0 to 65534")?;
         if left != times {
-            let (name, range) = (Name::of("REP"), "the same number before and behind the slash");
+            let (name, range) = (
+                Name::of("REP"),
+                "the same number before and behind the slash",
+            );
             return wrong(at, Wrong::Range { name, range });
         }
     }

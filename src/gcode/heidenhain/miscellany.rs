@@ -9,17 +9,15 @@ pub(super) fn check(m: u32, at: u32) -> Result<(), Fault> {
         0..=6 | 8 | 9 | 13 | 14 | 30 | 89 | 91 | 99 => return Ok(()),
         // Cancel what this reader never lets in, or concern rotary axes, of which there are none.
         126 | 127 | 129 => return Ok(()),
-        92 => "where the additional machine datum lies is not known; write M91, or the place in the part's system",
-        97 | 98 | 101 | 102 => {
-            "it changes the path of radius compensation or the tool; remove it"
+        92 => {
+            "where the additional machine datum lies is not known; write M91, or the place in the part's system"
         }
+        97 | 98 | 101 | 102 => "it changes the path of radius compensation or the tool; remove it",
         103 | 109 | 110 | 111 | 136 | 137 => "it changes the feed; write the feed with F",
         118 | 120 => "it changes the path while it is cut; remove it",
-        140 | 148 => {
-            "where it retracts to is not known; write the height, as in L Z+100 R0 FMAX"
-        }
-        107 | 108 | 112 | 113 | 114 | 115 | 116 | 117 | 124 | 128 | 130 | 134 | 135 | 138
-        | 141 | 143 | 144 | 145 => "this reader does not carry it out; remove it",
+        140 | 148 => "where it retracts to is not known; write the height, as in L Z+100 R0 FMAX",
+        107 | 108 | 112 | 113 | 114 | 115 | 116 | 117 | 124 | 128 | 130 | 134 | 135 | 138 | 141
+        | 143 | 144 | 145 => "this reader does not carry it out; remove it",
         _ => "it is the machine builder's, and what it does is not known; remove it",
     };
     refuse(at, &format!("M{m}"), why)
@@ -43,11 +41,7 @@ pub(super) fn before(job: &mut Job, functions: &[(u32, u32)]) {
 }
 
 /// What acts behind it.
-pub(super) fn after(
-    job: &mut Job,
-    functions: &[(u32, u32)],
-    moved: bool,
-) -> Result<(), Fault> {
+pub(super) fn after(job: &mut Job, functions: &[(u32, u32)], moved: bool) -> Result<(), Fault> {
     let has = |m: u32| functions.iter().find(|f| f.0 == m).map(|f| f.1);
     if let Some(at) = has(89) {
         if job.modes.cycle.is_none() {

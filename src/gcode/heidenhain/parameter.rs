@@ -7,7 +7,11 @@ fn number(job: &mut Job) -> Result<u32, Fault> {
     let at = job.scan.at();
     job.scan.take_text("Q");
     if job.scan.peek().is_some_and(|b| b.is_ascii_alphabetic()) {
-        return refuse(at, "QL, QR and QS", "only Q parameters with a number are read");
+        return refuse(
+            at,
+            "QL (or QR, QS)",
+            "only Q parameters with a number are read",
+        );
     }
     let digits = job.scan.run(|b| b.is_ascii_digit());
     match digits.parse() {

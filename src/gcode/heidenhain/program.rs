@@ -83,7 +83,11 @@ pub(super) fn block(job: &mut Job) -> Said {
             return job.not_understood();
         }
     }
-    Ok(if job.modes.over { Flow::End } else { Flow::Next })
+    Ok(if job.modes.over {
+        Flow::End
+    } else {
+        Flow::Next
+    })
 }
 
 /// `BEGIN PGM NAME MM`.

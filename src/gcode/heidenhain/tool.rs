@@ -22,7 +22,9 @@ pub(super) fn tool(job: &mut Job, at: u32) -> Result<(), Fault> {
         if matches!(job.scan.peek(), None | Some(b';')) {
             break;
         }
-        let word = job.scan.run(|b| b.is_ascii_alphabetic() && !matches!(b, b'Q' | b'q'));
+        let word = job
+            .scan
+            .run(|b| b.is_ascii_alphabetic() && !matches!(b, b'Q' | b'q'));
         let again = match word {
             "Z" => std::mem::replace(&mut axis, true),
             "X" | "Y" => return refuse(at, "TOOL CALL", "the tool axis must be Z"),

@@ -152,10 +152,7 @@ pub(super) fn read(job: &mut Job, radius: bool) -> Result<Words, Fault> {
                     true => &mut words.polar_radius,
                     false => &mut words.polar_angle,
                 };
-                if slot
-                    .replace(Coordinate { value, incremental })
-                    .is_some()
-                {
+                if slot.replace(Coordinate { value, incremental }).is_some() {
                     return again();
                 }
             }

@@ -439,8 +439,26 @@ fn name(job: &mut Job, block: &mut Block, at: u32) -> Result<(), Fault> {
         );
     }
     let own = [
-        "IF", "ELSE", "ENDIF", "GOTO", "GOTOF", "GOTOB", "REPEAT", "DEF", "PROC", "RET", "MSG",
-        "TRANS", "ATRANS", "ROT", "AROT", "SCALE", "ASCALE", "MIRROR", "AMIRROR", "MCALL",
+        "IF",
+        "ELSE",
+        "ENDIF",
+        "GOTO",
+        "GOTOF",
+        "GOTOB",
+        "REPEAT",
+        "DEF",
+        "PROC",
+        "RET",
+        "MSG",
+        "TRANS",
+        "ATRANS",
+        "ROT",
+        "AROT",
+        "SCALE",
+        "ASCALE",
+        "MIRROR",
+        "AMIRROR",
+        "MCALL",
         "WORKPIECE",
     ];
     let name = Name::of(&upper);

@@ -42,7 +42,7 @@ pub enum SiemensComplaint {
         group: &'static str,
     },
     /// A number outside what the word takes.
-    #[error("{name} takes {range}: correct the number")]
+    #[error("{name} takes {range}: correct it")]
     Range {
         /// The word.
         name: Name,
@@ -96,7 +96,9 @@ pub enum SiemensComplaint {
         name: Name,
     },
     /// A name that was not defined.
-    #[error("{name} is not a known variable, function or address: define it with DEF, or correct it")]
+    #[error(
+        "{name} is not a known variable, function or address: define it with DEF, or correct it"
+    )]
     Undefined {
         /// The name.
         name: Name,

@@ -72,9 +72,12 @@ impl Ifs {
 fn jumps(rest: &str) -> bool {
     let code = rest.split(';').next().unwrap_or_default();
     let words = code.split(|c: char| !c.is_ascii_alphanumeric() && c != '_');
-    words
-        .into_iter()
-        .any(|w| matches!(w.to_ascii_uppercase().as_str(), "GOTO" | "GOTOF" | "GOTOB" | "GOTOC" | "GOTOS"))
+    words.into_iter().any(|w| {
+        matches!(
+            w.to_ascii_uppercase().as_str(),
+            "GOTO" | "GOTOF" | "GOTOB" | "GOTOC" | "GOTOS"
+        )
+    })
 }
 
 /// `IF cond GOTOF LABEL`, or `IF cond` alone.
@@ -94,7 +97,11 @@ pub(super) fn if_(job: &mut Job, at: u32) -> Said {
     let line = job.desk.line;
     let ifs = &mut job.modes.ifs;
     if ifs.open >= DEEPEST {
-        return refuse(at, "more than 16 IFs inside each other", "split the program");
+        return refuse(
+            at,
+            "more than 16 IFs inside each other",
+            "split the program",
+        );
     }
     ifs.open += 1;
     ifs.else_seen &= !(1 << ifs.open.min(31));
@@ -188,7 +195,12 @@ pub(super) fn repeat(job: &mut Job, at: u32) -> Said {
     let label = target(job, "REPEAT")?;
     let place = job.scan.blanks().at();
     let times = times(job)?;
-    if job.scan.blanks().peek().is_some_and(|b| b.is_ascii_alphabetic()) {
+    if job
+        .scan
+        .blanks()
+        .peek()
+        .is_some_and(|b| b.is_ascii_alphabetic())
+    {
         return refuse(
             place,
             "REPEAT with two labels",
@@ -208,7 +220,8 @@ pub(super) fn call(job: &mut Job, name: &str) -> Said {
     job.end_of_block()?;
     // The blocks of a subprogram have IFs of their own.
     job.modes.ifs.jump();
-    job.modes.depth = job.modes.depth.saturating_add(1);
+    // Each of its runs ends with a return.
+    job.modes.depth = job.modes.depth.saturating_add(times);
     let label = format!("%_N_{name}_SPF").into();
     Ok(Flow::Call { label, times })
 }

@@ -208,7 +208,11 @@ fn unary(job: &mut Job, depth: u32) -> Result<Value, Fault> {
         return Ok(value);
     }
     if job.scan.peek() == Some(b'$') {
-        return refuse(at, "$", "system variables are the control's, and not known here");
+        return refuse(
+            at,
+            "$",
+            "system variables are the control's, and not known here",
+        );
     }
     if let Some(number) = job.scan.number(false) {
         return exponent(job, number, at);
@@ -232,7 +236,11 @@ fn exponent(job: &mut Job, number: f64, at: u32) -> Result<Value, Fault> {
     };
     job.scan = ahead;
     let power = power.min(400);
-    finite(number * 10f64.powi(if minus { -power } else { power }), "EX", at)
+    finite(
+        number * 10f64.powi(if minus { -power } else { power }),
+        "EX",
+        at,
+    )
 }
 
 fn close(job: &mut Job) -> Result<(), Fault> {

@@ -27,10 +27,7 @@ pub(super) fn programmable(job: &mut Job, word: &str, at: u32) -> Result<(), Fau
     let mut seen = [false; 3];
     while !matches!(job.scan.blanks().peek(), None | Some(b';')) {
         let at = job.scan.at();
-        let Some(axis) = ["X", "Y", "Z"]
-            .iter()
-            .position(|a| job.scan.take_text(a))
-        else {
+        let Some(axis) = ["X", "Y", "Z"].iter().position(|a| job.scan.take_text(a)) else {
             return job.not_understood();
         };
         let name = ["X", "Y", "Z"][axis];
@@ -64,9 +61,11 @@ pub(super) fn settable(job: &mut Job, code: u32, at: u32) -> Result<(), Fault> {
             );
         }
     };
-    if std::mem::replace(&mut job.modes.no_offset, false) {
+    let index = index as usize;
+    let back = std::mem::replace(&mut job.modes.no_offset, false);
+    if back && index == job.desk.state.work_offset {
         job.desk.sync();
     }
-    job.desk.work_offset(index as usize);
+    job.desk.work_offset(index);
     Ok(())
 }

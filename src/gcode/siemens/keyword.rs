@@ -1,7 +1,5 @@
 //! Words of more than one letter: those that set a mode, those without effect on three axes, and those that are refused by name.
 
-use super::*;
-
 /// What a keyword without arguments does in a block of words.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Keyword {
@@ -17,10 +15,32 @@ pub(super) enum Keyword {
 
 /// What is said of smoothing, jerk, feed at arcs and dynamics, which changes times and not places, and of what is off anyway.
 const NOTHING: [&str; 26] = [
-    "SOFT", "BRISK", "DRIVE", "FFWON", "FFWOF", "CFC", "CFTCP", "CFIN", "TRAFOOF", "RTLION",
-    "KONT", "KONTC", "KONTT", "NORM", "DIAMOF", "FNORM", "DYNNORM", "DYNROUGH", "DYNSEMIFIN",
-    "DYNFINISH", "DYNPOS", "DYNPREC", "SPATH", "UPATH", "CUT2D", "CUT2DF",
-    
+    "SOFT",
+    "BRISK",
+    "DRIVE",
+    "FFWON",
+    "FFWOF",
+    "CFC",
+    "CFTCP",
+    "CFIN",
+    "TRAFOOF",
+    "RTLION",
+    "KONT",
+    "KONTC",
+    "KONTT",
+    "NORM",
+    "DIAMOF",
+    "FNORM",
+    "DYNNORM",
+    "DYNROUGH",
+    "DYNSEMIFIN",
+    "DYNFINISH",
+    "DYNPOS",
+    "DYNPREC",
+    "SPATH",
+    "UPATH",
+    "CUT2D",
+    "CUT2DF",
 ];
 
 /// A keyword of a block, upper case.
@@ -45,9 +65,7 @@ pub(super) fn refused(name: &str) -> Option<&'static str> {
         "RTLIOF" => "each axis would rapid at its own pace, off the straight line; write RTLION",
         "CIP" | "CT" => "write the arc as G2 or G3 with I J K or CR",
         "ASPLINE" | "BSPLINE" | "CSPLINE" | "POLY" => "post the curve as G1, G2 and G3",
-        "CHF" | "CHR" | "RND" | "RNDM" | "FRC" | "FRCM" => {
-            "post the corner as G1, G2 or G3"
-        }
+        "CHF" | "CHR" | "RND" | "RNDM" | "FRC" | "FRCM" => "post the corner as G1, G2 or G3",
         "AP" | "RP" => "post the point as X Y Z",
         "SPOS" | "SPOSA" | "SETMS" => "the spindle is only switched here; remove it",
         "CYCLE83" | "CYCLE84" | "CYCLE840" | "CYCLE85" | "CYCLE86" | "CYCLE87" | "CYCLE88"
@@ -59,7 +77,7 @@ pub(super) fn refused(name: &str) -> Option<&'static str> {
         "CALL" | "PCALL" | "EXTCALL" | "ISOCALL" | "EXTERN" => {
             "another file is not read; put the subprogram into this archive and call it by its name"
         }
-                "SETAL" | "WRITE" | "READ" | "DELETE" | "MEAS" | "MEAW" | "STOPFIFO" | "STARTFIFO"
+        "SETAL" | "WRITE" | "READ" | "DELETE" | "MEAS" | "MEAW" | "STOPFIFO" | "STARTFIFO"
         | "WHEN" | "WHENEVER" | "EVERY" | "DO" | "IDS" | "ID" | "SAVE" | "CFINE" | "CTRANS"
         | "MEAFRAME" => "this reader does not carry it out; remove it",
         _ => return None,

@@ -87,7 +87,7 @@ struct Modes {
     began: bool,
     /// An end was reached.
     over: bool,
-    /// Subprograms that were called and not left yet.
+    /// Runs of subprograms that were asked for and have not returned yet.
     depth: u32,
     /// TRANS, mm.
     shift: Vector,

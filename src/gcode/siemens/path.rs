@@ -236,7 +236,8 @@ fn travel(job: &mut Job, block: &Block) -> Result<(), Fault> {
     if !(circular && (moves || centered)) {
         unused(block)?;
     }
-    if !moves && !(circular && centered) {
+    let goes = moves || (circular && centered);
+    if !goes {
         return Ok(());
     }
     let at = block
@@ -329,7 +330,7 @@ fn place(job: &Job, block: &Block, machine: bool, suppressed: bool) -> Result<Po
             if incremental && suppressed {
                 return refuse(
                     c.at,
-                    "SUPA or G53 with incremental coordinates",
+                    "G53 or SUPA with G91 or IC",
                     "write them absolute, with G90 or AC()",
                 );
             }
@@ -377,7 +378,7 @@ fn arc(job: &Job, block: &Block, to: Point, at: u32) -> Result<(Point, Arc), Fau
         (true, None, Some((angle, at))) => {
             opening(angle, at)?;
             if in_plane {
-                let name = Name::of("AR with both centre and end point");
+                let name = Name::of("AR with centre and end point");
                 return wrong(at, Wrong::Unused { name });
             }
             let center = center(job, block);
@@ -418,7 +419,7 @@ fn arc(job: &Job, block: &Block, to: Point, at: u32) -> Result<(Point, Arc), Fau
         if turns > 0.0 && circle::distance(plane, &from, &to) == 0.0 {
             return refuse(
                 at,
-                "TURN in an arc that ends where it starts",
+                "TURN in a full circle",
                 "whether one more full circle is meant differs; split it into single circles",
             );
         }

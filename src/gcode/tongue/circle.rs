@@ -138,10 +138,7 @@ mod tests {
             turned(Plane::Xy, &p, &o, PI / 2.0),
             Point::new(0.0, 10.0, 3.0)
         );
-        assert_eq!(
-            turned(Plane::Xy, &p, &o, -PI),
-            Point::new(-10.0, 0.0, 3.0)
-        );
+        assert_eq!(turned(Plane::Xy, &p, &o, -PI), Point::new(-10.0, 0.0, 3.0));
     }
 
     proptest! {
