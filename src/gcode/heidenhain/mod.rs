@@ -10,7 +10,7 @@
 //! - F is mm/min; in INCH programs it is 0.1 inch/min (chapter "Feed rate F").
 //! - Tool axis Z only, and Z is the tool's tip: TOOL CALL takes its length from the table, which is not known here.
 //! - Tools called by name get the numbers 1, 2, ... in the order of their first call; a name of digits is that number.
-//! - Presets (cycle 247) 1 to 6 are the six work offsets of [`State`].
+//! - Presets (cycle 247) 1 to 99 are the work offsets of [`State`], in this order.
 
 pub mod complaint;
 mod cycle;

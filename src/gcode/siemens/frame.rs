@@ -42,24 +42,17 @@ pub(super) fn programmable(job: &mut Job, word: &str, at: u32) -> Result<(), Fau
 }
 
 /// G500, G54 to G57, G505 to G599.
-pub(super) fn settable(job: &mut Job, code: u32, at: u32) -> Result<(), Fault> {
+pub(super) fn settable(job: &mut Job, code: u32) {
     let index = match code {
         500 => {
             if !std::mem::replace(&mut job.modes.no_offset, true) {
                 job.desk.sync();
             }
-            return Ok(());
+            return;
         }
         54..=57 => code - 54,
-        505 | 506 => code - 501,
-        _ => {
-            let name = format!("G{code}");
-            return refuse(
-                at,
-                &name,
-                "this reader knows six work offsets, G54 to G57, G505 and G506; use one of them",
-            );
-        }
+        // The fifth settable frame and those behind it.
+        _ => code.saturating_sub(501),
     };
     let index = index as usize;
     let back = std::mem::replace(&mut job.modes.no_offset, false);
@@ -67,5 +60,4 @@ pub(super) fn settable(job: &mut Job, code: u32, at: u32) -> Result<(), Fault> {
         job.desk.sync();
     }
     job.desk.work_offset(index);
-    Ok(())
 }

@@ -6,7 +6,8 @@
 //! After the programming manuals "Fundamentals" and "Job planning" (840D sl / 828D). Where they leave a choice:
 //!
 //! - Work coordinates are those of the settable frame (G54 ...). TRANS and ATRANS are added to what is programmed, so events stay in one
-//!   system whatever the programmable frame. G505 and G506 are the fifth and sixth offset of [`State`]; more are refused.
+//!   system whatever the programmable frame. G505 to G599 are the fifth offset of [`State`] and
+//!   those behind it.
 //! - The basic system is metric: under G70 lengths are inches and F is mm/min, under G700 F is inch/min as well.
 //! - Z is the tool's tip while D is not 0, in every plane (as with setting data TOOL_LENGTH_CONST); T with M6 selects D1.
 //! - M6 changes the tool that T chose. Named tools get the numbers 1, 2, ... in the order of their first call; a name of digits is that

@@ -65,7 +65,7 @@ fn dwell(job: &mut Job, block: &Block, at: u32) -> Result<(), Fault> {
 
 /// G codes that last, F, and how corners are taken.
 fn modes(job: &mut Job, block: &Block) -> Result<(), Fault> {
-    for &(code, at) in &block.codes {
+    for &(code, _) in &block.codes {
         let state = &mut job.desk.state;
         match code {
             0 => state.motion = MotionMode::Rapid,
@@ -100,7 +100,7 @@ fn modes(job: &mut Job, block: &Block) -> Result<(), Fault> {
                 };
             }
             60 | 64 | 641..=645 => job.modes.blending.code = code,
-            54..=57 | 500 | 505..=599 => frame::settable(job, code, at)?,
+            54..=57 | 500 | 505..=599 => frame::settable(job, code),
             _ => {}
         }
     }

@@ -3,7 +3,7 @@
 ; 13:14 "A+5" is not understood here: correct it, or post the program again
 ; 14:1 TRANS is not supported: write TRANS DATUM AXIS or CYCL DEF 7
 ; 15:1 TRANS is not supported: write TRANS DATUM AXIS or CYCL DEF 7
-; 16:27 Q339 takes a preset from 1 to 6 (this reader knows six): correct it
+; 16:27 Q339 takes a preset from 1 to 99: correct it
 ; 17:20 CYCL DEF 9.1 takes seconds from 0 to 3600: correct it
 ; 18:19 CYCL DEF 9.1 has no number: write sign and digits, or a Q parameter, behind it
 ; 19:15 T takes a tolerance of zero or more: correct it
@@ -13,7 +13,7 @@ CYCL DEF 7.1
 CYCL DEF 7.1 A+5
 TRANS DATUM TABLE TABLINE5
 TRANS MIRROR AXIS X
-CYCL DEF 247 DATUM SETTING Q339=7
+CYCL DEF 247 DATUM SETTING Q339=100
 CYCL DEF 9.1 DWELL 5000
 CYCL DEF 9.1 DWELL
 CYCL DEF 32.1 T-0.1

@@ -6,7 +6,7 @@
 ; 18:1 G58 is not supported: write TRANS or ATRANS
 ; 19:1 G33 is not supported: post the motions as G0, G1, G2 and G3
 ; 20:1 G96 is not supported: write the speed with S and the feed with G94 or G95
-; 21:1 G507 is not supported: this reader knows six work offsets, G54 to G57, G505 and G506; use one of them
+; 21:1 G600 is not a command of this controller: remove it, or post the program for this dialect
 ; 22:1 G25 is not supported: limits are the machine's; remove it
 ; 23:1 G99 is not a command of this controller: remove it, or post the program for this dialect
 ; 24:1 G291 is not supported: ISO programs are another dialect; read this one as that
@@ -18,7 +18,7 @@ G110 X0
 G58 X1
 G33 Z1 K1
 G96 S100
-G507
+G600
 G25 X0
 G99
 G291
