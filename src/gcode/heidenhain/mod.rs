@@ -23,7 +23,7 @@ mod program;
 mod tool;
 mod words;
 
-use super::error::{Complaint, Fault, InterpretError};
+use super::error::{Complaint, Fault};
 use super::event::Event;
 use super::flow::{Flow, Label, Said};
 use super::state::State;
@@ -189,16 +189,12 @@ pub(super) fn label(text: &str) -> Option<Label> {
     jump::name(&mut scan).filter(|label| **label != *"LBL0")
 }
 
-/// What is wrong when the text is over after line `last`.
-pub(super) fn finish(memory: &Memory, last: usize) -> Result<(), InterpretError> {
-    if memory.modes.over {
-        return Ok(());
+/// What is wrong when the text is over here.
+pub(super) fn finish(memory: &Memory) -> Result<(), Fault> {
+    match memory.modes.over {
+        true => Ok(()),
+        false => wrong(0, Wrong::EndMissing),
     }
-    Err(InterpretError {
-        line: last.max(1),
-        column: 1,
-        complaint: Complaint::Heidenhain(Wrong::EndMissing),
-    })
 }
 
 #[cfg(test)]

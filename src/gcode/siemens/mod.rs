@@ -9,6 +9,8 @@
 //!   system whatever the programmable frame. G505 to G599 are the fifth offset of [`State`] and
 //!   those behind it.
 //! - The basic system is metric: under G70 lengths are inches and F is mm/min, under G700 F is inch/min as well.
+//! - Whether an incremental move right behind a change of frame or tool length takes that change along is a setting of the machine
+//!   (FRAME_OFFSET_INCR_PROG, TOOL_OFFSET_INCR_PROG): such a move is refused until the axis was sent to an absolute place.
 //! - Z is the tool's tip while D is not 0, in every plane (as with setting data TOOL_LENGTH_CONST); T with M6 selects D1.
 //! - M6 changes the tool that T chose. Named tools get the numbers 1, 2, ... in the order of their first call; a name of digits is that
 //!   number.
@@ -27,7 +29,7 @@ mod keyword;
 mod path;
 mod program;
 
-use super::error::{Complaint, Fault, InterpretError};
+use super::error::{Complaint, Fault};
 use super::event::Event;
 use super::flow::{Flow, Label, Said};
 use super::state::State;
@@ -94,6 +96,8 @@ struct Modes {
     shift: Vector,
     /// G500: no settable frame.
     no_offset: bool,
+    /// Axes whose frame or tool length changed since they were last sent to an absolute place.
+    moved_frame: [bool; 3],
     /// D0.
     length_off: bool,
     /// T was programmed; M6 changes to this.
@@ -250,21 +254,16 @@ pub(super) fn label(text: &str) -> Option<Label> {
     program::label(text)
 }
 
-/// What is wrong when the text is over after line `last`.
-pub(super) fn finish(memory: &Memory, last: usize) -> Result<(), InterpretError> {
-    let ifs = &memory.modes.ifs;
-    let complaint = if ifs.skips() && !memory.modes.over {
-        Wrong::IfOpen { line: ifs.since() }
-    } else if memory.modes.depth > 0 && !memory.modes.over {
-        Wrong::ReturnMissing
-    } else {
-        return Ok(());
-    };
-    Err(InterpretError {
-        line: last.max(1),
-        column: 1,
-        complaint: Complaint::Siemens(complaint),
-    })
+/// What is wrong when the text is over here.
+pub(super) fn finish(memory: &Memory) -> Result<(), Fault> {
+    let Modes {
+        over, depth, ifs, ..
+    } = &memory.modes;
+    match (over, ifs.skips(), depth) {
+        (true, _, _) | (_, false, 0) => Ok(()),
+        (_, true, _) => wrong(0, Wrong::IfOpen { line: ifs.since() }),
+        _ => wrong(0, Wrong::ReturnMissing),
+    }
 }
 
 #[cfg(test)]

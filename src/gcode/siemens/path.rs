@@ -165,11 +165,14 @@ fn tool(job: &mut Job, block: &Block) -> Result<(), Fault> {
         job.desk.tool(tool);
         // A new tool comes with its first cutting edge.
         job.modes.length_off = false;
+        job.modes.moved_frame[2] = true;
         job.desk.state.tool_length = Some(1);
     }
     if let Some((edge, _)) = block.edge {
+        let now = (edge > 0).then_some(edge);
+        job.modes.moved_frame[2] |= now != job.desk.state.tool_length;
         job.modes.length_off = edge == 0;
-        job.desk.state.tool_length = (edge > 0).then_some(edge);
+        job.desk.state.tool_length = now;
     }
     Ok(())
 }
@@ -316,7 +319,8 @@ fn unused(block: &Block) -> Result<(), Fault> {
 }
 
 /// Where the axis words lead, work coordinates.
-fn place(job: &Job, block: &Block, machine: bool, suppressed: bool) -> Result<Point, Fault> {
+fn place(job: &mut Job, block: &Block, machine: bool, suppressed: bool) -> Result<Point, Fault> {
+    let mm = job.mm();
     let state = &job.desk.state;
     let mut to = match machine {
         true => state.machine_position(),
@@ -325,8 +329,12 @@ fn place(job: &Job, block: &Block, machine: bool, suppressed: bool) -> Result<Po
     let modal = state.distance == Distance::Incremental;
     for (axis, c) in block.axes.iter().enumerate() {
         if let Some(c) = c {
-            let value = c.value * job.mm();
+            let value = c.value * mm;
             let incremental = c.incremental.unwrap_or(modal);
+            if incremental && job.modes.moved_frame[axis] {
+                let name = Name::of(["X", "Y", "Z"][axis]);
+                return wrong(c.at, Wrong::FrameMoved { name });
+            }
             if incremental && suppressed {
                 return refuse(
                     c.at,
@@ -334,6 +342,7 @@ fn place(job: &Job, block: &Block, machine: bool, suppressed: bool) -> Result<Po
                     "write them absolute, with G90 or AC()",
                 );
             }
+            job.modes.moved_frame[axis] = suppressed;
             to[axis] = match (incremental, suppressed) {
                 (true, _) => to[axis] + value,
                 (_, true) => value,

@@ -134,9 +134,9 @@ proptest! {
         shift in proptest::array::uniform3(-1000i32..1000),
     ) {
         let [a, b, c] = shift;
-        let mut text = format!("TRANS X{a} Y{b} Z{c}\nF100\n");
-        let mut at = [0.0f64; 3];
-        let mut want = vec![];
+        let mut text = format!("TRANS X{a} Y{b} Z{c}\nG1 X0 Y0 Z0 F100\n");
+        let mut at = shift.map(f64::from);
+        let mut want = vec![at];
         for (axis, value, form) in moves {
             let v = f64::from(value) / 1000.0;
             let name = ["X", "Y", "Z"][axis];

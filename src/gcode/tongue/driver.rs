@@ -111,10 +111,10 @@ pub(in crate::gcode) fn run(
     }
     if errors.is_empty() {
         let end = match &memory {
-            Memory::Heidenhain(m) => heidenhain::finish(m, all.len()),
-            Memory::Siemens(m) => siemens::finish(m, all.len()),
+            Memory::Heidenhain(m) => heidenhain::finish(m),
+            Memory::Siemens(m) => siemens::finish(m),
         };
-        errors.extend(end.err());
+        errors.extend(end.err().map(|fault| fault.locate("", all.len() + 1)));
     }
     if errors.is_empty() {
         Ok((events, state))

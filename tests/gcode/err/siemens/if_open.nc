@@ -1,4 +1,4 @@
-; 5:1 the IF of line 3 has no ENDIF: add it
+; 6:1 the IF of line 3 has no ENDIF: add it
 R1=1
 IF R1>2
 G0 X5
