@@ -1,9 +1,10 @@
-; 6:8 this incremental move follows a new frame or tool length, and machines differ in whether it takes that along: send X to an absolute place first
-; 10:5 this incremental move follows a new frame or tool length, and machines differ in whether it takes that along: send Y to an absolute place first
-; 13:1 this incremental move follows a new frame or tool length, and machines differ in whether it takes that along: send Z to an absolute place first
-; 15:4 this incremental move follows a new frame or tool length, and machines differ in whether it takes that along: send Z to an absolute place first
+; 7:1 this incremental move follows a new frame or tool length, and machines differ in whether it takes that along: send X to an absolute place first
+; 11:5 this incremental move follows a new frame or tool length, and machines differ in whether it takes that along: send Y to an absolute place first
+; 14:1 this incremental move follows a new frame or tool length, and machines differ in whether it takes that along: send Z to an absolute place first
+; 16:4 this incremental move follows a new frame or tool length, and machines differ in whether it takes that along: send Z to an absolute place first
 TRANS X5
-G91 G0 X1
+G91
+X1
 Y1
 X=AC(0)
 X1
