@@ -3,6 +3,18 @@
 //! Crosses the border: a line of a part program in; events in work coordinates, mm and mm/min, out, with what the line asks of the order
 //! of lines ([`Flow`]). Never knows files, or where a label stands.
 //!
+//! | read | refused by name |
+//! |---|---|
+//! | G0-G3 with I J K (AC, IC), CR, AR, TURN; G17-G19; X=AC() IC() | CIP, CT, splines, RND CHF, polar points, threads, rotary axes |
+//! | G4 F, G9, G60, G64, G641-G645, ADIS, CTOL, COMPxx, CYCLE832; SOFT BRISK FFWON and their like | G4 S, RTLIOF |
+//! | G40, G53, G153, SUPA, G500, G54-G57, G505-G599, TRANS, ATRANS, empty ROT SCALE MIRROR | G41 G42, G58 G59, G74 G75, G110-G112, ROT SCALE MIRROR |
+//! | G70 G71 G700 G710, G90 G91, G93 G94 G95 | G96 G97, TRAORI, CYCLE800 (but empty) |
+//! | T, T="..", D, M0-M9 M17 M30 M40-M45, S, S1= M1= | other spindles, SPOS, M19, other M |
+//! | R parameters, DEF REAL INT BOOL, expressions | strings, arrays, system variables |
+//! | labels, GOTO GOTOF GOTOB, IF ELSE ENDIF, REPEAT label P | WHILE FOR LOOP UNTIL CASE REPEATB |
+//! | subprograms of the archive, PROC, M17, RET | parameters of subprograms, CALL EXTCALL |
+//! | CYCLE81 CYCLE82 (six arguments), MCALL; MSG, WORKPIECE, GROUP_BEGIN, STOPRE | other cycles |
+//!
 //! After the programming manuals "Fundamentals" and "Job planning" (840D sl / 828D). Where they leave a choice:
 //!
 //! - Work coordinates are those of the settable frame (G54 ...). TRANS and ATRANS are added to what is programmed, so events stay in one
@@ -18,8 +30,10 @@
 //! - G641 ADIS, CTOL and CYCLE832 set [`super::state::PathMode::Blend`] with that tolerance, mm; compressors alone without one.
 //! - A subprogram called by its name must stand in the same archive (`%_N_NAME_SPF`).
 
+mod arc;
 mod assign;
 mod block;
+mod codes;
 pub mod complaint;
 mod control;
 mod cycle;
