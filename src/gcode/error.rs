@@ -249,18 +249,6 @@ pub enum Complaint {
     Siemens(SiemensComplaint),
 }
 
-impl From<HeidenhainComplaint> for Complaint {
-    fn from(complaint: HeidenhainComplaint) -> Complaint {
-        Complaint::Heidenhain(complaint)
-    }
-}
-
-impl From<SiemensComplaint> for Complaint {
-    fn from(complaint: SiemensComplaint) -> Complaint {
-        Complaint::Siemens(complaint)
-    }
-}
-
 /// A complaint with its place as a byte offset in the line; the caller turns that into a line and a column.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Fault {

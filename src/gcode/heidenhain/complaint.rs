@@ -32,7 +32,7 @@ pub enum HeidenhainComplaint {
         name: Name,
     },
     /// A number outside what the word takes.
-    #[error("{name} takes {range}: correct the number")]
+    #[error("{name} takes {range}: correct it")]
     Range {
         /// The word.
         name: Name,

@@ -247,17 +247,14 @@ fn parameter_lines(job: &mut Job) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Cycle 247: the preset from now on, 1 to 6.
+/// Cycle 247: the preset from now on, 1 to 99.
 fn preset(job: &mut Job, number: f64, at: u32) -> Result<(), Fault> {
-    let Some(index) = (0..6).find(|i| number == f64::from(*i as u32 + 1)) else {
-        let (name, range) = (
-            Name::of("Q339"),
-            "a preset from 1 to 6 (this reader knows six)",
-        );
+    let Some(index) = (0..99u8).find(|i| number == f64::from(*i) + 1.0) else {
+        let (name, range) = (Name::of("Q339"), "a preset from 1 to 99");
         return wrong(at, Wrong::Range { name, range });
     };
     job.modes.pole = None;
-    job.desk.work_offset(index);
+    job.desk.work_offset(usize::from(index));
     Ok(())
 }
 

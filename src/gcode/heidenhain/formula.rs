@@ -13,9 +13,9 @@ pub(super) fn value(job: &mut Job) -> Result<f64, Fault> {
     sum(job, 0)
 }
 
-/// A finite result.
+/// A result that is a number and not beyond all measure.
 pub(super) fn sound(value: f64, what: &'static str, at: u32) -> Result<f64, Fault> {
-    if value.is_finite() {
+    if value.is_finite() && value.abs() <= 1e15 {
         Ok(value)
     } else {
         wrong(at, Wrong::NoNumber { what })

@@ -3,6 +3,16 @@
 //! Crosses the border: a line of a `.H` file in; events in work coordinates, mm and mm/min, out, with what the line asks of the order of
 //! lines ([`Flow`]). Never knows files, or where a label stands.
 //!
+//! | read | refused by name |
+//! |---|---|
+//! | BEGIN PGM, END PGM, BLK FORM, TOOL CALL, TOOL DEF, STOP, comments, structure lines | `/`, other tool axes, DL DR |
+//! | L, CC, C, CR, CT, LP, CP (helices); I coordinates; R0; F, FMAX, F AUTO | RL RR, APPR DEP, RND CHF, CTP, FL.., FU FZ, rotary axes |
+//! | M0-M6 M8 M9 M13 M14 M30 M89 M91 M99 M126 M127 M129 | M92 M97 M109 M128 M140 and all others |
+//! | CYCL DEF 7 (values), 9, 32, 200, 201, 247; CYCL CALL; TRANS DATUM AXIS, RESET | all other cycles, datum tables |
+//! | FN 0-13, formulas, Q0-Q99 and Q200 up | QL QR QS, Q100-Q199, FN 14 up |
+//! | LBL, CALL LBL, REP, GOTO LBL | CALL PGM |
+//! | PLANE RESET STAY | PLANE, FUNCTION, LN |
+//!
 //! After the user's manuals of iTNC 530 and TNC 640 (conversational programming). Where they leave a choice:
 //!
 //! - Work coordinates are those of the active preset. A datum shift (cycle 7, TRANS DATUM) is added to what is programmed, so events
@@ -10,7 +20,7 @@
 //! - F is mm/min; in INCH programs it is 0.1 inch/min (chapter "Feed rate F").
 //! - Tool axis Z only, and Z is the tool's tip: TOOL CALL takes its length from the table, which is not known here.
 //! - Tools called by name get the numbers 1, 2, ... in the order of their first call; a name of digits is that number.
-//! - Presets (cycle 247) 1 to 6 are the six work offsets of [`State`].
+//! - Presets (cycle 247) 1 to 99 are the work offsets of [`State`], in this order.
 
 pub mod complaint;
 mod cycle;
@@ -23,7 +33,7 @@ mod program;
 mod tool;
 mod words;
 
-use super::error::{Complaint, Fault, InterpretError};
+use super::error::{Complaint, Fault};
 use super::event::Event;
 use super::flow::{Flow, Label, Said};
 use super::state::State;
@@ -189,16 +199,12 @@ pub(super) fn label(text: &str) -> Option<Label> {
     jump::name(&mut scan).filter(|label| **label != *"LBL0")
 }
 
-/// What is wrong when the text is over after line `last`.
-pub(super) fn finish(memory: &Memory, last: usize) -> Result<(), InterpretError> {
-    if memory.modes.over {
-        return Ok(());
+/// What is wrong when the text is over here.
+pub(super) fn finish(memory: &Memory) -> Result<(), Fault> {
+    match memory.modes.over {
+        true => Ok(()),
+        false => wrong(0, Wrong::EndMissing),
     }
-    Err(InterpretError {
-        line: last.max(1),
-        column: 1,
-        complaint: Complaint::Heidenhain(Wrong::EndMissing),
-    })
 }
 
 #[cfg(test)]

@@ -9,7 +9,7 @@ fn number(job: &mut Job) -> Result<u32, Fault> {
     if job.scan.peek().is_some_and(|b| b.is_ascii_alphabetic()) {
         return refuse(
             at,
-            "QL, QR and QS",
+            "QL (or QR, QS)",
             "only Q parameters with a number are read",
         );
     }

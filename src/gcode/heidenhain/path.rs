@@ -28,7 +28,7 @@ pub(super) fn line(job: &mut Job) -> Result<(), Fault> {
     {
         return refuse(
             at,
-            "M91 with incremental coordinates",
+            "M91 with I coordinates",
             "write them without I, from the machine's datum",
         );
     }
@@ -119,7 +119,7 @@ pub(super) fn tangent(job: &mut Job) -> Result<(), Fault> {
     let (nx, ny) = (-ty, tx);
     let across = dx * nx + dy * ny;
     let chord = dx.hypot(dy);
-    if !(across.abs() > 1e-9 * chord) {
+    if across.abs() <= 1e-9 * chord {
         return wrong(at, Wrong::NoTangent);
     }
     let r = chord * chord / (2.0 * across);
@@ -180,7 +180,7 @@ pub(super) fn polar_circle(job: &mut Job) -> Result<(), Fault> {
     };
     let from = job.desk.state.position;
     let radius = circle::distance(Plane::Xy, &from, &center);
-    if !(radius > 0.0) {
+    if radius <= 0.0 {
         let (start, end) = (radius, radius);
         return wrong(at, Wrong::RadiiDiffer { start, end });
     }

@@ -7,6 +7,7 @@ use super::labels::Found;
 use super::{FlowComplaint, Interpreter, Language, flow, unreadable};
 use crate::gcode::dialect::Dialect;
 use crate::gcode::error::Fault;
+use crate::gcode::{heidenhain, siemens};
 use crate::gcode::parameter::Parameters;
 use crate::gcode::source::LineStart;
 use crate::gcode::state::State;
@@ -240,7 +241,16 @@ impl<R: BufRead + Seek> Interpreter<R> {
 
     /// The text is over, or a `%` says so.
     pub(super) fn end_of_text(&mut self) -> Result<(), Fault> {
-        let tongue = !matches!(self.language, Language::Words | Language::Fed);
+        let ended = match &self.language {
+            Language::Siemens(memory) => Some(siemens::finish(memory)),
+            Language::Heidenhain(memory) => Some(heidenhain::finish(memory)),
+            Language::Words | Language::Fed => None,
+        };
+        if let Some(ended) = ended {
+            self.over = true;
+            // Behind a mistake, what is missing may be its doing.
+            return if self.errors.is_empty() { ended } else { Ok(()) };
+        }
         let frame = self.frame();
         if frame.kind == Kind::Main {
             let open = frame.loops.first().map(|l| (l.label.clone(), l.kind));
@@ -255,10 +265,6 @@ impl<R: BufRead + Seek> Interpreter<R> {
                 }
                 _ => Ok(()),
             };
-        }
-        // Siemens, Heidenhain: the program's end is the subprogram's.
-        if tongue {
-            return self.give_back();
         }
         let label = frame.label.clone();
         let end = match frame.kind {

@@ -42,7 +42,7 @@ pub enum SiemensComplaint {
         group: &'static str,
     },
     /// A number outside what the word takes.
-    #[error("{name} takes {range}: correct the number")]
+    #[error("{name} takes {range}: correct it")]
     Range {
         /// The word.
         name: Name,
@@ -149,6 +149,14 @@ pub enum SiemensComplaint {
         "the program calls tools by name and by number: which is which cannot be known, keep to one of them"
     )]
     ToolsMixed,
+    /// An incremental move behind a change of frame or tool length.
+    #[error(
+        "this incremental move follows a new frame or tool length, and machines differ in whether it takes that along: send {name} to an absolute place first"
+    )]
+    FrameMoved {
+        /// The axis.
+        name: Name,
+    },
     /// Z in the part's system while the tool length is off.
     #[error(
         "the tool length is off (D0), so Z is not the tool's tip: program D1, or retract with SUPA or G53"

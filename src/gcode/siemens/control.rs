@@ -220,7 +220,8 @@ pub(super) fn call(job: &mut Job, name: &str) -> Said {
     job.end_of_block()?;
     // The blocks of a subprogram have IFs of their own.
     job.modes.ifs.jump();
-    job.modes.depth = job.modes.depth.saturating_add(1);
+    // Each of its runs ends with a return.
+    job.modes.depth = job.modes.depth.saturating_add(times);
     let label = format!("%_N_{name}_SPF").into();
     Ok(Flow::Call { label, times })
 }

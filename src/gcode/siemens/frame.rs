@@ -4,6 +4,16 @@ use super::*;
 
 /// `TRANS X10`, `ATRANS Z-5`, `TRANS`; and the empty forms of ROT, SCALE, MIRROR, which cancel all programmable frames as TRANS does.
 pub(super) fn programmable(job: &mut Job, word: &str, at: u32) -> Result<(), Fault> {
+    let before = job.modes.shift;
+    read(job, word, at)?;
+    for axis in 0..3 {
+        job.modes.moved_frame[axis] |= job.modes.shift[axis] != before[axis];
+    }
+    Ok(())
+}
+
+/// Sets the programmable frame.
+fn read(job: &mut Job, word: &str, at: u32) -> Result<(), Fault> {
     let mut shift = match word {
         "ATRANS" => job.modes.shift,
         _ => Vector::zeros(),
@@ -42,28 +52,26 @@ pub(super) fn programmable(job: &mut Job, word: &str, at: u32) -> Result<(), Fau
 }
 
 /// G500, G54 to G57, G505 to G599.
-pub(super) fn settable(job: &mut Job, code: u32, at: u32) -> Result<(), Fault> {
+pub(super) fn settable(job: &mut Job, code: u32) {
     let index = match code {
         500 => {
             if !std::mem::replace(&mut job.modes.no_offset, true) {
+                job.modes.moved_frame = [true; 3];
                 job.desk.sync();
             }
-            return Ok(());
+            return;
         }
         54..=57 => code - 54,
-        505 | 506 => code - 501,
-        _ => {
-            let name = format!("G{code}");
-            return refuse(
-                at,
-                &name,
-                "this reader knows six work offsets, G54 to G57, G505 and G506; use one of them",
-            );
-        }
+        // The fifth settable frame and those behind it.
+        _ => code.saturating_sub(501),
     };
-    if std::mem::replace(&mut job.modes.no_offset, false) {
+    let index = index as usize;
+    let back = std::mem::replace(&mut job.modes.no_offset, false);
+    if back || index != job.desk.state.work_offset {
+        job.modes.moved_frame = [true; 3];
+    }
+    if back && index == job.desk.state.work_offset {
         job.desk.sync();
     }
-    job.desk.work_offset(index as usize);
-    Ok(())
+    job.desk.work_offset(index);
 }

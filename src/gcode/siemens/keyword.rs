@@ -1,7 +1,5 @@
 //! Words of more than one letter: those that set a mode, those without effect on three axes, and those that are refused by name.
 
-use super::*;
-
 /// What a keyword without arguments does in a block of words.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Keyword {

@@ -3,11 +3,26 @@
 //! Crosses the border: a line of a part program in; events in work coordinates, mm and mm/min, out, with what the line asks of the order
 //! of lines ([`Flow`]). Never knows files, or where a label stands.
 //!
+//! | read | refused by name |
+//! |---|---|
+//! | G0-G3 with I J K (AC, IC), CR, AR, TURN; G17-G19; X=AC() IC() | CIP, CT, splines, RND CHF, polar points, threads, rotary axes |
+//! | G4 F, G9, G60, G64, G641-G645, ADIS, CTOL, COMPxx, CYCLE832; SOFT BRISK FFWON and their like | G4 S, RTLIOF |
+//! | G40, G53, G153, SUPA, G500, G54-G57, G505-G599, TRANS, ATRANS, empty ROT SCALE MIRROR | G41 G42, G58 G59, G74 G75, G110-G112, ROT SCALE MIRROR |
+//! | G70 G71 G700 G710, G90 G91, G93 G94 G95 | G96 G97, TRAORI, CYCLE800 (but empty) |
+//! | T, T="..", D, M0-M9 M17 M30 M40-M45, S, S1= M1= | other spindles, SPOS, M19, other M |
+//! | R parameters, DEF REAL INT BOOL, expressions | strings, arrays, system variables |
+//! | labels, GOTO GOTOF GOTOB, IF ELSE ENDIF, REPEAT label P | WHILE FOR LOOP UNTIL CASE REPEATB |
+//! | subprograms of the archive, PROC, M17, RET | parameters of subprograms, CALL EXTCALL |
+//! | CYCLE81 CYCLE82 (six arguments), MCALL; MSG, WORKPIECE, GROUP_BEGIN, STOPRE | other cycles |
+//!
 //! After the programming manuals "Fundamentals" and "Job planning" (840D sl / 828D). Where they leave a choice:
 //!
 //! - Work coordinates are those of the settable frame (G54 ...). TRANS and ATRANS are added to what is programmed, so events stay in one
-//!   system whatever the programmable frame. G505 and G506 are the fifth and sixth offset of [`State`]; more are refused.
+//!   system whatever the programmable frame. G505 to G599 are the fifth offset of [`State`] and
+//!   those behind it.
 //! - The basic system is metric: under G70 lengths are inches and F is mm/min, under G700 F is inch/min as well.
+//! - Whether an incremental move right behind a change of frame or tool length takes that change along is a setting of the machine
+//!   (FRAME_OFFSET_INCR_PROG, TOOL_OFFSET_INCR_PROG): such a move is refused until the axis was sent to an absolute place.
 //! - Z is the tool's tip while D is not 0, in every plane (as with setting data TOOL_LENGTH_CONST); T with M6 selects D1.
 //! - M6 changes the tool that T chose. Named tools get the numbers 1, 2, ... in the order of their first call; a name of digits is that
 //!   number.
@@ -15,8 +30,10 @@
 //! - G641 ADIS, CTOL and CYCLE832 set [`super::state::PathMode::Blend`] with that tolerance, mm; compressors alone without one.
 //! - A subprogram called by its name must stand in the same archive (`%_N_NAME_SPF`).
 
+mod arc;
 mod assign;
 mod block;
+mod codes;
 pub mod complaint;
 mod control;
 mod cycle;
@@ -26,7 +43,7 @@ mod keyword;
 mod path;
 mod program;
 
-use super::error::{Complaint, Fault, InterpretError};
+use super::error::{Complaint, Fault};
 use super::event::Event;
 use super::flow::{Flow, Label, Said};
 use super::state::State;
@@ -87,12 +104,14 @@ struct Modes {
     began: bool,
     /// An end was reached.
     over: bool,
-    /// Subprograms that were called and not left yet.
+    /// Runs of subprograms that were asked for and have not returned yet.
     depth: u32,
     /// TRANS, mm.
     shift: Vector,
     /// G500: no settable frame.
     no_offset: bool,
+    /// Axes whose frame or tool length changed since they were last sent to an absolute place.
+    moved_frame: [bool; 3],
     /// D0.
     length_off: bool,
     /// T was programmed; M6 changes to this.
@@ -249,21 +268,16 @@ pub(super) fn label(text: &str) -> Option<Label> {
     program::label(text)
 }
 
-/// What is wrong when the text is over after line `last`.
-pub(super) fn finish(memory: &Memory, last: usize) -> Result<(), InterpretError> {
-    let ifs = &memory.modes.ifs;
-    let complaint = if ifs.skips() && !memory.modes.over {
-        Wrong::IfOpen { line: ifs.since() }
-    } else if memory.modes.depth > 0 && !memory.modes.over {
-        Wrong::ReturnMissing
-    } else {
-        return Ok(());
-    };
-    Err(InterpretError {
-        line: last.max(1),
-        column: 1,
-        complaint: Complaint::Siemens(complaint),
-    })
+/// What is wrong when the text is over here.
+pub(super) fn finish(memory: &Memory) -> Result<(), Fault> {
+    let Modes {
+        over, depth, ifs, ..
+    } = &memory.modes;
+    match (over, ifs.skips(), depth) {
+        (true, _, _) | (_, false, 0) => Ok(()),
+        (_, true, _) => wrong(0, Wrong::IfOpen { line: ifs.since() }),
+        _ => wrong(0, Wrong::ReturnMissing),
+    }
 }
 
 #[cfg(test)]

@@ -144,6 +144,12 @@ fn statement(job: &mut Job, word: &str, at: u32) -> Result<Option<Flow>, Fault> 
             job.end_of_block()?;
             Flow::Next
         }
+        // Swivelling is switched off, and never was on.
+        "CYCLE800" if job.scan.clone().blanks().take_text("()") => {
+            job.scan.blanks().skip(2);
+            job.end_of_block()?;
+            Flow::Next
+        }
         "TRANS" | "ATRANS" | "ROT" | "AROT" | "SCALE" | "ASCALE" | "MIRROR" | "AMIRROR" => {
             frame::programmable(job, word, at)?;
             Flow::Next

@@ -1,0 +1,17 @@
+; 8:1 Q201 takes a depth below zero (drilling goes down): correct it
+; 10:1 Q206 takes a feed above zero: correct it
+; 12:1 Q202 takes an infeed above zero, and not above 10000 of them: correct it
+; 14:1 Q210 and Q211 takes seconds from 0 to 3600: correct it
+; 16:1 Q202 takes an infeed above zero, and not above 10000 of them: correct it
+BEGIN PGM P MM
+CYCL DEF 200 DRILLING Q200=2 Q201=10 Q206=100 Q202=5 Q210=0 Q203=0 Q204=0 Q211=0
+CYCL CALL
+CYCL DEF 200 DRILLING Q200=2 Q201=-10 Q206=0 Q202=5 Q210=0 Q203=0 Q204=0 Q211=0
+CYCL CALL
+CYCL DEF 200 DRILLING Q200=2 Q201=-10 Q206=100 Q202=0 Q210=0 Q203=0 Q204=0 Q211=0
+CYCL CALL
+CYCL DEF 200 DRILLING Q200=2 Q201=-10 Q206=100 Q202=5 Q210=-1 Q203=0 Q204=0 Q211=0
+CYCL CALL
+CYCL DEF 200 DRILLING Q200=2 Q201=-10 Q206=100 Q202=0.0001 Q210=0 Q203=0 Q204=0 Q211=0
+CYCL CALL
+END PGM P MM

@@ -1,0 +1,3 @@
+; 3:1 this move has no feed rate: put an F word at or before the first cutting move (in G93: on every line)
+G93 G1 X10 F2
+X20

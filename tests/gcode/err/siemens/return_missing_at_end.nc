@@ -1,0 +1,5 @@
+; 6:1 the subprogram ends without M17 or RET: add it as the last block
+HOLE
+M30
+%_N_HOLE_SPF
+G0 X1

@@ -1,0 +1,7 @@
+T="MILL" M6 D1
+T="DRILL"
+G0 X1
+M6
+T="MILL" M06
+T0
+M6
