@@ -36,6 +36,8 @@ pub(super) struct Block {
     pub coolant: Option<Coolant>,
     pub tool_change: bool,
     pub retract: Option<Retract>,
+    /// G80 where it is no motion mode: it ends a cycle and leaves G0 and G1 as they are.
+    pub cycle_off: bool,
     /// A code without further meaning that waits for standstill.
     pub wait: bool,
     /// The word that names the work offset, the first offset it names, how many.
@@ -73,6 +75,7 @@ impl Block {
             coolant: None,
             tool_change: false,
             retract: None,
+            cycle_off: false,
             wait: false,
             offset_word: None,
             axis_user: AxisUser::Nobody,
@@ -264,7 +267,7 @@ impl Block {
                     let group = Group::Cycle.name();
                     return fault(Complaint::SameGroup { code, group });
                 }
-                self.motion = self.motion.or(Some(MotionMode::None));
+                self.cycle_off = true;
                 Group::Cycle
             }
             Meaning::NonModal(non_modal) => {

@@ -122,7 +122,10 @@ pub(super) fn check(state: &State, block: &Block, line: Line) -> Result<Plan, Fa
     if block.value(b'N') > MAX_LINE_NUMBER && rules.firmware {
         return at(b'N', Complaint::LineNumber);
     }
-    if block.has(b'O') && !block.has_codes_beyond(&[]) {
+    if block.has(b'O')
+        && !block.has_codes_beyond(&[])
+        && !block.letters.without(Letters::of(b"NO")).any()
+    {
         // The name of the program.
         unused.take(b"O");
     }
@@ -148,7 +151,10 @@ pub(super) fn check(state: &State, block: &Block, line: Line) -> Result<Plan, Fa
     };
     let motion = match line {
         Line::Jog => MotionMode::Linear,
-        Line::Program => block.motion.unwrap_or(state.motion),
+        Line::Program => block.motion.unwrap_or(match state.motion {
+            MotionMode::Cycle(_) if block.cycle_off => MotionMode::None,
+            other => other,
+        }),
     };
 
     // Feed: in G93 the number holds for its own block only, so nothing is carried over into, within or out of it.
@@ -194,7 +200,7 @@ pub(super) fn check(state: &State, block: &Block, line: Line) -> Result<Plan, Fa
     let plane = block.plane.unwrap_or(state.plane);
     let tlo = tool_length(state, block, axes, mm, &mut unused)?;
     if block.path == Some(Path::Blend) {
-        unused.take(b"PQ");
+        unused.0 = unused.0.without(rules.blend_words);
     }
     let mut work_offset = block.work_offset.unwrap_or(state.work_offset);
     let named = offset_word(block, rules);

@@ -335,6 +335,7 @@ pub(super) const PLAIN: Rules = Rules {
     dwell_words: "P (seconds)",
     arc_miss: ArcMiss::LinuxCnc,
     whole_circle: true,
+    blend_words: NONE,
     turns: false,
     machine_rapid: false,
     home_beside_motion: false,
