@@ -136,12 +136,10 @@ pub(super) fn check(state: &State, block: &Block, line: Line) -> Result<Plan, Fa
     };
     let dwell_letter = waits.map(|(letter, _)| letter);
     let word = |letter: u8| block.get(letter).filter(|_| dwell_letter != Some(letter));
-    if let Some(letter @ b'X'..=b'Z') = dwell_letter {
-        axes = axes.without(Letters::of(match letter {
-            b'X' => b"X",
-            b'Y' => b"Y",
-            _ => b"Z",
-        }));
+    // Where X can be a dwell's time, no axis word moves anything in a dwell's block.
+    let still = waits.is_some() && rules.dwell.iter().any(|(l, _)| *l == b'X');
+    if still {
+        axes = Letters::default();
     }
 
     // Bare axis words continue the motion in force.
@@ -432,7 +430,7 @@ pub(super) fn check(state: &State, block: &Block, line: Line) -> Result<Plan, Fa
         _ => {}
     }
 
-    if user != AxisUser::Nobody {
+    if user != AxisUser::Nobody && !still {
         unused.take(b"XYZ");
     }
     if let Some(letter) = unused.0.iter().min_by_key(|&l| block.at(l)) {
