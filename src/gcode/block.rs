@@ -174,7 +174,7 @@ pub(super) fn gather(text: &str, dialect: Dialect) -> Result<Option<Block>, Faul
 }
 
 /// G codes that have relatives with a fraction, so that an unknown fraction is an unknown code.
-const FAMILIES: [u8; 9] = [5, 28, 30, 38, 43, 61, 64, 90, 92];
+const FAMILIES: [u8; 10] = [5, 28, 30, 38, 43, 61, 64, 90, 91, 92];
 
 /// The firmware's own view of who wants the axis words, which it takes before it looks whether it knows the code.
 fn firmware_user(whole: u8, hundredths: i64) -> AxisUser {
@@ -461,6 +461,7 @@ mod tests {
             (Grbl, "M7", 0, "UnsupportedCode"),
             (Grbl, "G38.6", 0, "UnsupportedCode"),
             (Grbl, "G90.1", 0, "UnsupportedCode"),
+            (Grbl, "G91.2", 0, "UnsupportedCode"),
             (Grbl, "G28.2", 0, "UnsupportedCode"),
             (Grbl, "G0 X1 A2", 6, "UnsupportedWord"),
             (Grbl, "X1 Y2 X3", 6, "Repeated"),
