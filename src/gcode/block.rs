@@ -193,14 +193,13 @@ fn user(meaning: Option<Meaning>) -> AxisUser {
         Some(Meaning::Motion(MotionMode::None)) => AxisUser::Nobody,
         Some(Meaning::Motion(_)) => AxisUser::Motion,
         Some(Meaning::ToolLength(ToolLength::Dynamic)) => AxisUser::ToolLength,
-        Some(Meaning::NonModal(n)) => match n {
+        Some(Meaning::NonModal(
             NonModal::SetOffset
             | NonModal::GoHome
             | NonModal::GoSecondHome
             | NonModal::Shift
-            | NonModal::Local => AxisUser::NonModal,
-            _ => AxisUser::Nobody,
-        },
+            | NonModal::Local,
+        )) => AxisUser::NonModal,
         _ => AxisUser::Nobody,
     }
 }

@@ -508,7 +508,10 @@ fn offset_word(block: &Block, rules: &Rules) -> Option<(u8, usize, u32)> {
     let by_p = || {
         let (code, base, most) = rules.offset_p?;
         let here = block.work_offset == Some(code) && block.has(b'P');
-        let free = !matches!(block.non_modal, Some(NonModal::Dwell | NonModal::SetOffset));
+        let free = !matches!(
+            block.non_modal,
+            Some(NonModal::Dwell | NonModal::SetOffset | NonModal::GoSecondHome)
+        );
         (here && free).then_some((b'P', base, most))
     };
     block.offset_word.or_else(by_p)
