@@ -200,6 +200,18 @@ pub(super) fn check(state: &State, block: &Block, line: Line) -> Result<Plan, Fa
     if block.path == Some(Path::Blend) {
         unused.0 = unused.0.without(rules.blend_words);
     }
+    if rules.spindle_p && block.spindle.is_some() && block.has(b'P') && dwell_letter != Some(b'P') {
+        if block.value(b'P') != 0.0 {
+            let (letter, least, most) = ('P', 0, 0);
+            let range = RuleComplaint::Range {
+                letter,
+                least,
+                most,
+            };
+            return at(b'P', range.into());
+        }
+        unused.take(b"P");
+    }
     let mut work_offset = block.work_offset.unwrap_or(state.work_offset);
     let named = offset_word(block, rules);
     if let Some((letter, base, most)) = named {

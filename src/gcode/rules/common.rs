@@ -345,6 +345,7 @@ pub(super) const PLAIN: Rules = Rules {
     offsets_add: false,
     offsets: 6,
     offset_p: None,
+    spindle_p: false,
     rapid_feed_apart: false,
     cycles: None,
     ends: true,

@@ -215,6 +215,8 @@ pub(super) struct Rules {
     pub offsets: usize,
     /// P behind G54 (0) or G59 (5): first offset it names, how many.
     pub offset_p: Option<(usize, usize, u32)>,
+    /// P beside M3, M4, M5 names the spindle; only the first, P0, is there.
+    pub spindle_p: bool,
     /// F of a G0 line does not touch the feed of G1.
     pub rapid_feed_apart: bool,
     pub cycles: Option<&'static CycleRules>,
