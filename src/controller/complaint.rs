@@ -5,7 +5,7 @@ use crate::gcode::Complaint;
 /// The N of `error:N` that GRBL answers for this complaint. Complaints only other dialects make count as "unsupported".
 pub fn error_number(complaint: &Complaint) -> u16 {
     match complaint {
-        Complaint::ExpectedLetter { .. } => 1,
+        Complaint::ExpectedLetter { .. } | Complaint::DecimalComma => 1,
         Complaint::BadNumber { .. } => 2,
         Complaint::Negative { .. } => 4,
         Complaint::LineTooLong { .. } => 11,
@@ -35,6 +35,8 @@ pub fn error_number(complaint: &Complaint) -> u16 {
         | Complaint::CommentOpen
         | Complaint::CommentNested
         | Complaint::WholeNumber { .. }
-        | Complaint::Rule(_) => 20,
+        | Complaint::Rule(_)
+        | Complaint::Flow(_)
+        | Complaint::Expression(_) => 20,
     }
 }

@@ -4,10 +4,12 @@
 //! live in `wire`. Each variant's text says what is wrong and what to do next.
 
 use super::rules::RuleComplaint;
+use super::expression::ExpressionComplaint;
+use super::program::FlowComplaint;
 use super::word::MAX_COLUMN;
 
 /// A mistake in a program: line and column (characters, both from 1) and what is wrong there.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{line}:{column} {complaint}")]
 pub struct InterpretError {
     /// Line of the program, from 1.
@@ -34,7 +36,7 @@ impl std::fmt::Display for Code {
 }
 
 /// What is wrong with a block. The doc of each variant names the situation in GRBL's words.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Complaint {
     /// GRBL: expected command letter. Something stands where a word's letter should.
     #[error("found {found:?} where a word (a letter and a number) should begin: remove it")]
@@ -228,10 +230,19 @@ pub enum Complaint {
     /// Other dialects than GRBL only.
     #[error(transparent)]
     Rule(#[from] RuleComplaint),
+    /// A comma between digits. GRBL: expected command letter.
+    #[error("a comma stands in a number: write decimals with a dot")]
+    DecimalComma,
+    /// The order of lines: calls, jumps, loops, ends.
+    #[error(transparent)]
+    Flow(FlowComplaint),
+    /// Variables and expressions.
+    #[error(transparent)]
+    Expression(ExpressionComplaint),
 }
 
 /// A complaint with its place as a byte offset in the line; the caller turns that into a line and a column.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Fault {
     pub offset: u32,
     pub complaint: Complaint,

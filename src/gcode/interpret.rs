@@ -4,14 +4,16 @@
 //! first checked whole (`block`, `check`), then carried out, which cannot fail: a refused line changes nothing. No I/O, no machine
 //! limits, no time.
 
-use super::block::{self, Block};
-use super::check::{self, Line, Move, Plan};
+use super::block;
+use super::check::{self, Line, Move};
 use super::dialect::Dialect;
 use super::error::{Complaint, Fault, InterpretError};
 use super::event::{Event, Motion, MotionKind};
 use super::execute::execute;
 use super::rules::BlockDelete;
+use super::program::{FlowComplaint, Interpreter, Reading};
 use super::state::State;
+use std::io::Cursor;
 
 /// A whole program, understood.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,8 +29,13 @@ pub struct Program {
 /// So many mistakes are reported in one run.
 pub const MAX_ERRORS: usize = 20;
 
+/// Lines read again that a program in memory may have: its events are all kept.
+const LINES_AGAIN: u64 = 10_000_000;
+
 /// Reads one line (without its line end) and carries it out: `state` becomes what the machine remembers then, and what it is told
 /// to do is appended to `events`. `line` counts from 1 and goes into events and errors.
+///
+/// A line by itself has no variables, calls or loops: those are a program's ([`super::program`]).
 ///
 /// GRBL: the line is taken exactly as the firmware takes it, so a lone `%` is refused (senders leave such lines out) and `/` is
 /// ignored.
@@ -41,6 +48,16 @@ pub fn interpret_line(
     line: usize,
     events: &mut Vec<Event>,
 ) -> Result<(), InterpretError> {
+    carry_out(state, text, line, events).map_err(|fault| fault.locate(text, line))
+}
+
+/// [`interpret_line`], the place of a mistake as a byte of the line.
+pub(super) fn carry_out(
+    state: &mut State,
+    text: &str,
+    line: usize,
+    events: &mut Vec<Event>,
+) -> Result<(), Fault> {
     if state.block_delete
         && matches!(
             state.dialect.rules().block_delete,
@@ -50,18 +67,11 @@ pub fn interpret_line(
     {
         return Ok(());
     }
-    let read = || -> Result<Option<(Block, Plan)>, Fault> {
-        let Some(block) = block::gather(text, state.dialect)? else {
-            return Ok(None);
-        };
-        let plan = check::check(state, &block, Line::Program)?;
-        Ok(Some((block, plan)))
+    let Some(block) = block::gather(text, state.dialect)? else {
+        return Ok(());
     };
-    match read() {
-        Ok(Some((block, plan))) => execute(state, &block, &plan, line, events),
-        Ok(None) => {}
-        Err(fault) => return Err(fault.locate(text, line)),
-    }
+    let plan = check::check(state, &block, Line::Program)?;
+    execute(state, &block, &plan, line, events);
     Ok(())
 }
 
@@ -97,9 +107,9 @@ pub fn interpret_jog(state: &mut State, text: &str, line: usize) -> Result<Motio
     Ok(motion)
 }
 
-/// Reads a whole program from the state of a machine just switched on. A byte order mark, any line ends, and lines of nothing
-/// but `%` are understood in both dialects (a sender must not send `%` to GRBL). LinuxCNC: nothing behind M2, M30 or the second `%`
-/// is read.
+/// Reads a whole program from the state of a machine just switched on, into memory ([`super::Interpreter`] reads the same without keeping
+/// it). A byte order mark, any line ends, and lines of nothing but `%` are understood in all dialects (a sender must not send `%` to GRBL).
+/// Controllers that run files read nothing behind M2, M30 or the second `%`.
 ///
 /// # Errors
 /// Every mistake of the program, up to [`MAX_ERRORS`], by line. A refused line changes nothing, so one mistake can cause others;
@@ -112,46 +122,28 @@ pub fn interpret(text: &str, dialect: Dialect) -> Result<Program, Vec<InterpretE
 ///
 /// # Errors
 /// As [`interpret`].
-pub fn interpret_from(mut state: State, text: &str) -> Result<Program, Vec<InterpretError>> {
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let ends = state.dialect.rules().ends;
+pub fn interpret_from(state: State, text: &str) -> Result<Program, Vec<InterpretError>> {
+    let reading = Reading {
+        lines_again: LINES_AGAIN,
+        ..Reading::default()
+    };
+    let unreadable = |e: std::io::Error| {
+        let kind = e.kind();
+        let complaint = Complaint::Flow(FlowComplaint::Unreadable { kind });
+        vec![Fault::at(0, complaint).locate("", 1)]
+    };
+    let from = Cursor::new(text.as_bytes());
+    let mut program = Interpreter::from_state(from, state, reading).map_err(unreadable)?;
     let mut events = Vec::with_capacity(text.len() / 24);
-    let mut errors: Vec<InterpretError> = Vec::new();
-    let (mut line, mut marks, mut over) = (0, 0, false);
-    for content in lines(text) {
-        line += 1;
-        if over || errors.len() >= MAX_ERRORS {
-            continue;
-        }
-        if content.starts_with('%') && content.trim_end() == "%" {
-            marks += 1;
-            over = ends && marks == 2;
-            continue;
-        }
-        let first = events.len();
-        if let Err(e) = interpret_line(&mut state, content, line, &mut events) {
-            let again = e.complaint == Complaint::FeedMissing
-                && errors.last().is_some_and(|l| l.complaint == e.complaint);
-            if !again {
-                errors.push(e);
-            }
-        }
-        over = ends
-            && events
-                .get(first..)
-                .unwrap_or_default()
-                .iter()
-                .any(|e| matches!(e, Event::End { .. }));
+    let errors = program.read_all(&mut events);
+    if !errors.is_empty() {
+        return Err(errors);
     }
-    if errors.is_empty() {
-        Ok(Program {
-            events,
-            lines: line,
-            end_state: state,
-        })
-    } else {
-        Err(errors)
-    }
+    Ok(Program {
+        events,
+        lines: program.count_lines().map_err(unreadable)?,
+        end_state: program.state().clone(),
+    })
 }
 
 /// The lines of a text, ended by LF, CR LF or CR. A line end at the very end opens no further line.

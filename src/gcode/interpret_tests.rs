@@ -8,7 +8,7 @@ use crate::geom::{Point, Vector};
 fn number(c: &Complaint) -> u8 {
     use Complaint::*;
     match c {
-        ExpectedLetter { .. } => 1,
+        ExpectedLetter { .. } | DecimalComma => 1,
         BadNumber { .. } => 2,
         Negative { .. } => 4,
         LineTooLong { .. } => 11,
@@ -33,6 +33,7 @@ fn number(c: &Complaint) -> u8 {
         ToolLengthAxis => 37,
         ToolNumber { .. } => 38,
         ArcRadiusZero | CommentOpen | CommentNested | WholeNumber { .. } | Rule(_) => 20,
+        Flow(_) | Expression(_) => 20,
     }
 }
 

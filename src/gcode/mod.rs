@@ -29,10 +29,15 @@ mod envelope;
 pub mod error;
 pub mod event;
 mod execute;
+mod expression;
+mod expression_complaint;
+mod expression_function;
 mod flow;
 mod heidenhain;
 pub mod interpret;
 pub mod rules;
+mod parameter;
+pub mod program;
 mod siemens;
 pub mod source;
 pub mod state;
@@ -41,7 +46,9 @@ mod word;
 pub use dialect::Dialect;
 pub use error::{Code, Complaint, InterpretError};
 pub use event::{Arc, Event, Motion, MotionKind, Plane};
+pub use expression::ExpressionComplaint;
 pub use interpret::{
     MAX_ERRORS, Program, interpret, interpret_from, interpret_jog, interpret_line, lines,
 };
+pub use program::{Comment, FlowComplaint, Interpreter, Reading};
 pub use state::{Distance, FeedMode, MotionMode, PathMode, Probe, Retract, State, Units};

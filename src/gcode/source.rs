@@ -22,9 +22,10 @@ pub struct LineStart {
 #[derive(Debug)]
 pub struct Source<R> {
     from: R,
+    /// Where the first line begins: behind a byte order mark.
+    first: u64,
     /// Where the next line begins; `line` is the number it will have.
     next: LineStart,
-    bytes: Vec<u8>,
     text: String,
     cut: bool,
 }
@@ -37,16 +38,25 @@ impl<R: BufRead + Seek> Source<R> {
     pub fn new(mut from: R) -> io::Result<Source<R>> {
         from.seek(SeekFrom::Start(0))?;
         let mark = "\u{feff}".as_bytes();
-        let offset = if from.fill_buf()?.starts_with(mark) {
-            from.consume(mark.len());
-            mark.len() as u64
-        } else {
-            0
-        };
+        // A buffer may hold fewer bytes than the mark has: it is counted byte by byte.
+        let mut seen = 0;
+        while let Some(expected) = mark.get(seen)
+            && from.fill_buf()?.first() == Some(expected)
+        {
+            from.consume(1);
+            seen += 1;
+        }
+        let first = if seen == mark.len() { seen as u64 } else { 0 };
+        if seen > 0 && first == 0 {
+            from.seek(SeekFrom::Start(0))?;
+        }
         Ok(Source {
             from,
-            next: LineStart { offset, line: 1 },
-            bytes: Vec::new(),
+            first,
+            next: LineStart {
+                offset: first,
+                line: 1,
+            },
             text: String::new(),
             cut: false,
         })
@@ -62,9 +72,32 @@ impl<R: BufRead + Seek> Source<R> {
     /// # Errors
     /// What reading answers.
     pub fn go(&mut self, to: LineStart) -> io::Result<()> {
-        self.from.seek(SeekFrom::Start(to.offset))?;
+        // From where it stands: a jump within what is already in memory then costs nothing.
+        let way = i128::from(to.offset) - i128::from(self.next.offset);
+        match i64::try_from(way) {
+            Ok(way) => self.from.seek_relative(way)?,
+            Err(_) => {
+                self.from.seek(SeekFrom::Start(to.offset))?;
+            }
+        }
         self.next = to;
         Ok(())
+    }
+
+    /// Goes back to the first line.
+    ///
+    /// # Errors
+    /// What reading answers.
+    pub fn rewind(&mut self) -> io::Result<()> {
+        self.go(LineStart {
+            offset: self.first,
+            line: 1,
+        })
+    }
+
+    /// The line read last.
+    pub fn last(&self) -> &str {
+        &self.text
     }
 
     /// The next line with its number, `None` behind the last. A line end at the very end opens no further line. The text holds until the
@@ -73,7 +106,8 @@ impl<R: BufRead + Seek> Source<R> {
     /// # Errors
     /// What reading answers.
     pub fn read(&mut self) -> io::Result<Option<(usize, &str)>> {
-        self.bytes.clear();
+        let mut bytes = std::mem::take(&mut self.text).into_bytes();
+        bytes.clear();
         self.cut = false;
         let mut any = false;
         loop {
@@ -84,36 +118,34 @@ impl<R: BufRead + Seek> Source<R> {
             any = true;
             let end = buffer.iter().position(|b| matches!(b, b'\n' | b'\r'));
             let part = &buffer[..end.unwrap_or(buffer.len())];
-            let room = LONGEST - self.bytes.len();
+            let room = LONGEST - bytes.len();
             self.cut |= part.len() > room;
-            self.bytes.extend_from_slice(&part[..part.len().min(room)]);
+            bytes.extend_from_slice(&part[..part.len().min(room)]);
             let mut used = part.len();
+            // CR LF in one piece, as nearly always.
             let carriage = end.is_some_and(|e| buffer[e] == b'\r');
-            used += usize::from(end.is_some());
+            let feed = carriage && end.is_some_and(|e| buffer.get(e + 1) == Some(&b'\n'));
+            used += usize::from(end.is_some()) + usize::from(feed);
             self.from.consume(used);
             self.next.offset += used as u64;
             if end.is_some() {
-                if carriage && self.from.fill_buf()?.first() == Some(&b'\n') {
+                if carriage && !feed && self.from.fill_buf()?.first() == Some(&b'\n') {
                     self.from.consume(1);
                     self.next.offset += 1;
                 }
                 break;
             }
         }
+        self.text = match String::from_utf8(bytes) {
+            Ok(text) => text,
+            Err(other) => other.as_bytes().iter().map(|b| char::from(*b)).collect(),
+        };
         if !any {
             return Ok(None);
         }
         let line = self.next.line;
         self.next.line += 1;
-        match std::str::from_utf8(&self.bytes) {
-            // Borrowed twice to please the checker: it is read anew only where it is sound.
-            Ok(_) => Ok(std::str::from_utf8(&self.bytes).ok().map(|t| (line, t))),
-            Err(_) => {
-                self.text.clear();
-                self.text.extend(self.bytes.iter().map(|b| char::from(*b)));
-                Ok(Some((line, &self.text)))
-            }
-        }
+        Ok(Some((line, &self.text)))
     }
 
     /// True when the line read last was longer than [`LONGEST`].
@@ -130,7 +162,7 @@ mod tests {
 
     fn all(bytes: &[u8]) -> Vec<(usize, String)> {
         // A buffer of two bytes: line ends fall across it.
-        let mut s = Source::new(io::BufReader::with_capacity(4, Cursor::new(bytes))).unwrap();
+        let mut s = Source::new(io::BufReader::with_capacity(2, Cursor::new(bytes))).unwrap();
         let mut out = vec![];
         while let Some((n, t)) = s.read().unwrap() {
             out.push((n, t.to_string()));

@@ -171,6 +171,12 @@ impl<'a> Words<'a> {
         let letter = first.to_ascii_uppercase();
         if !letter.is_ascii_uppercase() {
             self.rest = &[];
+            let place = self.line.len() - at.len();
+            let before = place.checked_sub(1).and_then(|i| self.line.get(i));
+            let digits = [before, behind.first()].map(|b| b.is_some_and(u8::is_ascii_digit));
+            if first == b',' && digits == [true, true] {
+                return Some(Err(Fault::at(start, Complaint::DecimalComma)));
+            }
             let found = String::from_utf8_lossy(&at[..at.len().min(4)])
                 .chars()
                 .next()
@@ -288,6 +294,18 @@ mod tests {
                 matches!(c, Complaint::ExpectedLetter { .. }),
                 "{line}: {c:?}"
             );
+        }
+    }
+
+    #[test]
+    fn a_decimal_comma_is_called_by_its_name() {
+        for dialect in [Dialect::Grbl, Dialect::LinuxCnc] {
+            assert_eq!(all("G1 X1,5", dialect), Err(Complaint::DecimalComma));
+            for other in ["X1,", "X1,R2", "X1.,5", ",5"] {
+                let found = ',';
+                let other = all(other, dialect);
+                assert_eq!(other, Err(Complaint::ExpectedLetter { found }));
+            }
         }
     }
 

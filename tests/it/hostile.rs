@@ -87,7 +87,7 @@ fn rubbish_programs_are_refused_in_words() {
         (
             "one-line",
             b"G1 X1 ".repeat(200_000),
-            "the line has 800000 characters, this controller reads at most 79: split it",
+            "the line has more than 1048576 bytes: this is no program text, or its line ends are lost",
         ),
         (
             "exponent",

@@ -1,8 +1,12 @@
 //! Programs read by the interpreter, dialect by dialect: those under `tests/gcode/err` are refused with exactly the errors they name, those
 //! under `tests/gcode/ok` come to exactly the events beside them. `tests/gcode/README.md` says how both are written.
 
-use morsemill::gcode::{Dialect, Event, InterpretError, Motion, Plane, interpret};
+use morsemill::gcode::{
+    Dialect, Event, InterpretError, Interpreter, Motion, Plane, Reading, State,
+};
 use std::fmt::Write;
+use std::fs::File;
+use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
 /// The folders of a kind of programs, each with its dialect.
@@ -53,9 +57,23 @@ fn programs(folder: &Path, beside: &str) -> Vec<PathBuf> {
     programs
 }
 
+/// So many lines may be read again: the loops in these programs are short.
+const LINES_AGAIN: u64 = 10_000;
+
 fn read(file: &Path, dialect: Dialect) -> Result<Vec<Event>, Vec<InterpretError>> {
-    let bytes = std::fs::read(file).unwrap();
-    interpret(&String::from_utf8_lossy(&bytes), dialect).map(|p| p.events)
+    let from = BufReader::new(File::open(file).unwrap());
+    let reading = Reading {
+        lines_again: LINES_AGAIN,
+        ..Reading::default()
+    };
+    let mut program = Interpreter::from_state(from, State::new(dialect), reading).unwrap();
+    let mut events = vec![];
+    let errors = program.read_all(&mut events);
+    if errors.is_empty() {
+        Ok(events)
+    } else {
+        Err(errors)
+    }
 }
 
 /// Two texts line by line, where they differ.

@@ -1,0 +1,7 @@
+O1
+GOTO 5
+#1=0
+WHILE [#1 LT 2] DO1
+N5 G0 X1.
+END1
+M30

@@ -1,0 +1,4 @@
+O1
+WHILE [1 EQ 1] DO4
+DO
+DO1 G0

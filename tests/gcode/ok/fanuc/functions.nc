@@ -1,0 +1,10 @@
+O1
+G21 G90 G0
+X[SIN[30]] Y[COS[60]] Z[TAN[45]]
+X[ATAN[1]/[1]] Y[ASIN[1]] Z[ACOS[0]]
+X[ABS[-2.5]] Y[SQRT[16]] Z[ROUND[2.6]]
+X[FIX[-2.8]] Y[FUP[-2.8]] Z[FUP[2.1]]
+X[LN[EXP[2]]] Y[7 MOD 4] Z[6 AND 3]
+X[6 OR 3] Y[6 XOR 3] Z[2+3*4]
+X[[2+3]*4] Y[10/4] Z[-[1-3]]
+M30
