@@ -36,6 +36,8 @@ pub(super) struct Block {
     pub coolant: Option<Coolant>,
     pub tool_change: bool,
     pub retract: Option<Retract>,
+    /// G80 where it is no motion mode: it ends a cycle and leaves G0 and G1 as they are.
+    pub cycle_off: bool,
     /// A code without further meaning that waits for standstill.
     pub wait: bool,
     /// The word that names the work offset, the first offset it names, how many.
@@ -73,6 +75,7 @@ impl Block {
             coolant: None,
             tool_change: false,
             retract: None,
+            cycle_off: false,
             wait: false,
             offset_word: None,
             axis_user: AxisUser::Nobody,
@@ -171,7 +174,7 @@ pub(super) fn gather(text: &str, dialect: Dialect) -> Result<Option<Block>, Faul
 }
 
 /// G codes that have relatives with a fraction, so that an unknown fraction is an unknown code.
-const FAMILIES: [u8; 9] = [5, 28, 30, 38, 43, 61, 64, 90, 92];
+const FAMILIES: [u8; 10] = [5, 28, 30, 38, 43, 61, 64, 90, 91, 92];
 
 /// The firmware's own view of who wants the axis words, which it takes before it looks whether it knows the code.
 fn firmware_user(whole: u8, hundredths: i64) -> AxisUser {
@@ -190,14 +193,13 @@ fn user(meaning: Option<Meaning>) -> AxisUser {
         Some(Meaning::Motion(MotionMode::None)) => AxisUser::Nobody,
         Some(Meaning::Motion(_)) => AxisUser::Motion,
         Some(Meaning::ToolLength(ToolLength::Dynamic)) => AxisUser::ToolLength,
-        Some(Meaning::NonModal(n)) => match n {
+        Some(Meaning::NonModal(
             NonModal::SetOffset
             | NonModal::GoHome
             | NonModal::GoSecondHome
             | NonModal::Shift
-            | NonModal::Local => AxisUser::NonModal,
-            _ => AxisUser::Nobody,
-        },
+            | NonModal::Local,
+        )) => AxisUser::NonModal,
         _ => AxisUser::Nobody,
     }
 }
@@ -264,7 +266,7 @@ impl Block {
                     let group = Group::Cycle.name();
                     return fault(Complaint::SameGroup { code, group });
                 }
-                self.motion = self.motion.or(Some(MotionMode::None));
+                self.cycle_off = true;
                 Group::Cycle
             }
             Meaning::NonModal(non_modal) => {
@@ -458,6 +460,7 @@ mod tests {
             (Grbl, "M7", 0, "UnsupportedCode"),
             (Grbl, "G38.6", 0, "UnsupportedCode"),
             (Grbl, "G90.1", 0, "UnsupportedCode"),
+            (Grbl, "G91.2", 0, "UnsupportedCode"),
             (Grbl, "G28.2", 0, "UnsupportedCode"),
             (Grbl, "G0 X1 A2", 6, "UnsupportedWord"),
             (Grbl, "X1 Y2 X3", 6, "Repeated"),

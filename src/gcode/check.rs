@@ -122,7 +122,10 @@ pub(super) fn check(state: &State, block: &Block, line: Line) -> Result<Plan, Fa
     if block.value(b'N') > MAX_LINE_NUMBER && rules.firmware {
         return at(b'N', Complaint::LineNumber);
     }
-    if block.has(b'O') && !block.has_codes_beyond(&[]) {
+    if block.has(b'O')
+        && !block.has_codes_beyond(&[])
+        && !block.letters.without(Letters::of(b"NO")).any()
+    {
         // The name of the program.
         unused.take(b"O");
     }
@@ -133,12 +136,10 @@ pub(super) fn check(state: &State, block: &Block, line: Line) -> Result<Plan, Fa
     };
     let dwell_letter = waits.map(|(letter, _)| letter);
     let word = |letter: u8| block.get(letter).filter(|_| dwell_letter != Some(letter));
-    if let Some(letter @ b'X'..=b'Z') = dwell_letter {
-        axes = axes.without(Letters::of(match letter {
-            b'X' => b"X",
-            b'Y' => b"Y",
-            _ => b"Z",
-        }));
+    // Where X can be a dwell's time, no axis word moves anything in a dwell's block.
+    let still = waits.is_some() && rules.dwell.iter().any(|(l, _)| *l == b'X');
+    if still {
+        axes = Letters::default();
     }
 
     // Bare axis words continue the motion in force.
@@ -148,7 +149,10 @@ pub(super) fn check(state: &State, block: &Block, line: Line) -> Result<Plan, Fa
     };
     let motion = match line {
         Line::Jog => MotionMode::Linear,
-        Line::Program => block.motion.unwrap_or(state.motion),
+        Line::Program => block.motion.unwrap_or(match state.motion {
+            MotionMode::Cycle(_) if block.cycle_off => MotionMode::None,
+            other => other,
+        }),
     };
 
     // Feed: in G93 the number holds for its own block only, so nothing is carried over into, within or out of it.
@@ -194,7 +198,19 @@ pub(super) fn check(state: &State, block: &Block, line: Line) -> Result<Plan, Fa
     let plane = block.plane.unwrap_or(state.plane);
     let tlo = tool_length(state, block, axes, mm, &mut unused)?;
     if block.path == Some(Path::Blend) {
-        unused.take(b"PQ");
+        unused.0 = unused.0.without(rules.blend_words);
+    }
+    if rules.spindle_p && block.spindle.is_some() && block.has(b'P') && dwell_letter != Some(b'P') {
+        if block.value(b'P') != 0.0 {
+            let (letter, least, most) = ('P', 0, 0);
+            let range = RuleComplaint::Range {
+                letter,
+                least,
+                most,
+            };
+            return at(b'P', range.into());
+        }
+        unused.take(b"P");
     }
     let mut work_offset = block.work_offset.unwrap_or(state.work_offset);
     let named = offset_word(block, rules);
@@ -426,7 +442,7 @@ pub(super) fn check(state: &State, block: &Block, line: Line) -> Result<Plan, Fa
         _ => {}
     }
 
-    if user != AxisUser::Nobody {
+    if user != AxisUser::Nobody && !still {
         unused.take(b"XYZ");
     }
     if let Some(letter) = unused.0.iter().min_by_key(|&l| block.at(l)) {
@@ -504,7 +520,10 @@ fn offset_word(block: &Block, rules: &Rules) -> Option<(u8, usize, u32)> {
     let by_p = || {
         let (code, base, most) = rules.offset_p?;
         let here = block.work_offset == Some(code) && block.has(b'P');
-        let free = !matches!(block.non_modal, Some(NonModal::Dwell | NonModal::SetOffset));
+        let free = !matches!(
+            block.non_modal,
+            Some(NonModal::Dwell | NonModal::SetOffset | NonModal::GoSecondHome)
+        );
         (here && free).then_some((b'P', base, most))
     };
     block.offset_word.or_else(by_p)

@@ -269,6 +269,15 @@ pub(super) fn plan(
         true => series.q.ok_or_else(|| missing("Q (the depth of a peck)"))?,
         false => 0.0,
     };
+    if pecks && q <= 0.0 {
+        let word = "a Q above zero";
+        let q_at = if block.has(b'Q') {
+            block.at(b'Q')
+        } else {
+            block.start
+        };
+        return Err(Fault::at(q_at, RuleComplaint::CycleWord { word }.into()));
+    }
     if waits && rules.nist && series.dwell.is_none() {
         return Err(missing("P (seconds)"));
     }
@@ -301,7 +310,6 @@ pub(super) fn plan(
     }
     let number = if pecks {
         let number = ((r - bottom) / q - 1e-9).ceil().max(1.0);
-        // Q of zero makes it infinite, or no number at all.
         if number.is_nan() || number * f64::from(count) > MAX_PECKS {
             return Err(Fault::at(
                 if block.has(b'Q') {

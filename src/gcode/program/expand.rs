@@ -164,7 +164,13 @@ fn word(bytes: &[u8], e: &mut Evaluator, letter: u8, out: &mut Expanded) -> Resu
     e.at = before;
     let (value, point) = if computed {
         let value = e.value()?.number()?;
-        out.text.push_str(&literal(value));
+        let number = literal(value);
+        out.text.push_str(&number);
+        // A computed value has its full scale, as one written with a point has; letters that count take none.
+        let counts = b"DGHLMNOPST".contains(&letter);
+        if !counts && !number.contains('.') {
+            out.text.push('.');
+        }
         (value, true)
     } else {
         // As whoever reads the line takes it: sign, digits, a dot, with blanks and comments between them.

@@ -64,6 +64,7 @@ pub(super) static EDING: Rules = Rules {
     ],
     m: &[M_BASE, M_TOOLED, M_OVERRIDES, M_PALLET],
     tool_limit: 99,
+    blend_words: Letters::of(b"PQ"),
     offsets: 9,
     cycles: Some(&CYCLE_RULES),
     ..PLAIN
@@ -121,6 +122,7 @@ pub(super) static PLANET: Rules = Rules {
         ],
     ],
     letters: Letters::of(b"FHIJKLNPQRSTXYZ"),
+    blend_words: Letters::of(b"PQ"),
     offsets: 9,
     cycles: Some(&CYCLE_RULES),
     ..PLAIN

@@ -55,7 +55,6 @@ const OWN: &[Entry] = &[
 const OWN_M: &[Entry] = &[
     (2900, Refused(TAPPING)),
     (9600, Refused("macro interrupts cannot be foreseen")),
-    (9700, Nothing(Group::Override, NONE, "macro interrupt off")),
 ];
 
 /// Parameters 5114 (G73) and 5115 (G83) differ from machine to machine.

@@ -98,6 +98,7 @@ pub(super) static LINUXCNC: Rules = Rules {
     ],
     m: &[M_BASE, M_TOOLED, M_OVERRIDES, M_ORIENT, M_PALLET, OWN_M],
     length: LineLength::All(255),
+    blend_words: Letters::of(b"PQ"),
     turns: true,
     offsets: 9,
     cycles: Some(&CYCLE_RULES),

@@ -196,6 +196,8 @@ pub(super) struct Rules {
     pub arc_miss: ArcMiss,
     /// An arc by its centre needs no end point: it is a full circle then.
     pub whole_circle: bool,
+    /// Words of G64.
+    pub blend_words: Letters,
     /// P of an arc is its number of turns.
     pub turns: bool,
     /// G53 moves at rapid whatever the motion mode, and only in G90.
@@ -213,6 +215,8 @@ pub(super) struct Rules {
     pub offsets: usize,
     /// P behind G54 (0) or G59 (5): first offset it names, how many.
     pub offset_p: Option<(usize, usize, u32)>,
+    /// P beside M3, M4, M5 names the spindle; only the first, P0, is there.
+    pub spindle_p: bool,
     /// F of a G0 line does not touch the feed of G1.
     pub rapid_feed_apart: bool,
     pub cycles: Option<&'static CycleRules>,
@@ -221,9 +225,17 @@ pub(super) struct Rules {
 }
 
 impl Rules {
-    /// What a G code does, by its number in hundredths.
+    /// What a G code does, by its number in hundredths. G0 to G3 mean the same everywhere (a test holds the tables to it) and are not
+    /// looked for: most lines have no other.
+    #[inline]
     pub fn g(&self, code: u32) -> Option<Meaning> {
-        find(self.g, code)
+        match code {
+            0 => Some(Meaning::Motion(MotionMode::Rapid)),
+            100 => Some(Meaning::Motion(MotionMode::Linear)),
+            200 => Some(Meaning::Motion(MotionMode::ArcClockwise)),
+            300 => Some(Meaning::Motion(MotionMode::ArcCounterclockwise)),
+            _ => find(self.g, code),
+        }
     }
 
     /// What an M code does, by its number in hundredths.
@@ -232,7 +244,6 @@ impl Rules {
     }
 }
 
-#[inline]
 fn find(tables: &[&[Entry]], code: u32) -> Option<Meaning> {
     tables
         .iter()

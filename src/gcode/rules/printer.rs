@@ -296,6 +296,7 @@ pub(super) static REPRAP: Rules = Rules {
     dwell: &[(b'P', Unit::Milliseconds), (b'S', Unit::Seconds)],
     dwell_words: "P (milliseconds) or S (seconds)",
     offsets: 9,
+    spindle_p: true,
     rapid_feed_apart: true,
     ends: false,
     ..PLAIN

@@ -31,10 +31,11 @@ fn every_table_has_a_title_a_source_and_codes() {
     for d in plain() {
         let r = d.rules();
         assert!(!r.title.is_empty() && !r.source.is_empty(), "{d:?}");
-        assert!(
-            r.g(0).is_some() && r.g(100).is_some() && r.m(300).is_some(),
-            "{d:?}"
-        );
+        assert!(r.m(300).is_some(), "{d:?}");
+        for code in [0, 100, 200, 300] {
+            assert_eq!(r.g(code), find(r.g, code), "{d:?}");
+            assert!(r.g(code).is_some(), "{d:?}");
+        }
     }
 }
 
@@ -251,5 +252,46 @@ proptest! {
     fn no_text_makes_it_panic(bytes in proptest::collection::vec(any::<u8>(), 0..120), d in 0usize..22) {
         let text = String::from_utf8_lossy(&bytes);
         let _ = super::super::interpret(&text, Dialect::ALL[d]);
+    }
+
+    /// Whatever the peck: cutting goes down to Z and never below, begins at R or under it, and the tool ends where G98 or G99 says, above
+    /// the hole.
+    #[test]
+    fn a_cycle_drills_to_its_bottom_and_comes_back(
+        d in 0usize..22, code in 0usize..5, q in 0.05..7.0f64, r in -2.0..2.0f64, depth in 0.1..20.0f64, up in 0.0..9.0f64, initial: bool,
+    ) {
+        let dialect = Dialect::ALL[d];
+        prop_assume!(dialect.rules().cycles.is_some());
+        let (r, z, start) = ((r * 1e3).round() / 1e3, ((r - depth) * 1e3).round() / 1e3, ((r + up) * 1e3).round() / 1e3);
+        let code = [73, 81, 83, 85, 89][code];
+        prop_assume!(matches!(dialect.rules().g(code * 100), Some(Meaning::Motion(_))));
+        let extra = match code {
+            73 | 83 => format!("Q{q:.3}"),
+            89 => "P1".to_string(),
+            _ => String::new(),
+        };
+        let back = if initial { 98 } else { 99 };
+        let mut state = State::new(dialect);
+        let mut events = vec![];
+        interpret_line(&mut state, &format!("G90 G0 Z{start:.3}"), 1, &mut events).unwrap();
+        events.clear();
+        let line = format!("G{back} G{code} X3.000 Y4.000 Z{z:.3} R{r:.3} {extra} F100.0");
+        interpret_line(&mut state, &line, 2, &mut events).unwrap();
+        let motions: Vec<_> = events.iter().filter_map(|e| match e {
+            Event::Motion(m) => Some(*m),
+            _ => None,
+        }).collect();
+        let lowest = motions.iter().map(|m| m.to.z).fold(f64::INFINITY, f64::min);
+        prop_assert!((lowest - z).abs() < 1e-12, "{dialect:?} {line}: {lowest}");
+        let top = if initial { start } else { r };
+        prop_assert_eq!(state.position, crate::geom::Point::new(3.0, 4.0, top));
+        // What rapids down stays above what has been cut.
+        let mut cut = r;
+        for m in &motions {
+            match m.kind {
+                super::super::MotionKind::Rapid => prop_assert!(m.to.z >= cut - 1e-9, "{dialect:?} {line}: {m:?}"),
+                super::super::MotionKind::Feed => cut = cut.min(m.to.z),
+            }
+        }
     }
 }

@@ -1,5 +1,5 @@
 O1
 WHILE [1 EQ 1] DO1
-G4 P1.
+G4 P1
 END1
 M30

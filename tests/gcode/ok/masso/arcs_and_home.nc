@@ -1,0 +1,7 @@
+; MASSO: G28 by way of the named point
+G21 G90 G17
+G0 X10 Y0 Z5
+G1 Z-1 F100
+G3 X-10 Y0 R10
+G28 Z20
+M30

@@ -1,0 +1,8 @@
+(TinyG wiki, Gcode Support)
+G21 G90 G17
+G0 X10 Y5
+G28.1
+G93 G1 X20 F2
+G94 G1 X25 F200
+G28
+M30
