@@ -44,14 +44,6 @@ fn up() -> Step {
     }
 }
 
-fn feed(x: f64, y: f64, z: f64) -> Step {
-    Step::Feed {
-        to: Point::new(x, y, z),
-        bow: None,
-        feed: MmPerMin(100.0),
-    }
-}
-
 #[test]
 fn offs_before_the_end_are_the_ends_business() {
     let off = Step::Coolant(Coolant::Off);
