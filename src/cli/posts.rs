@@ -51,7 +51,7 @@ enum Ask {
 /// Carries it out.
 pub fn run(args: &PostsArgs) -> Result<ExitCode, Failure> {
     let dirs = &args.directories;
-    for dir in dirs.iter().filter(|d| !d.is_dir()) {
+    if let Some(dir) = dirs.iter().find(|d| !d.is_dir()) {
         return Err(Failure::Failed(format!(
             "--posts {}: is no directory",
             dir.display()

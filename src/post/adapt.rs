@@ -354,7 +354,7 @@ impl<'p> Curve<'p> {
             .sqrt()
             .min(std::f64::consts::FRAC_PI_2);
         let parts = (self.bow.sweep.abs() / step).ceil().max(1.0);
-        if !(parts <= MOST_LINES) {
+        if parts.is_nan() || parts > MOST_LINES {
             return Err(self.too_many(parts, within.0));
         }
         let each = self.bow.sweep.abs() / parts;

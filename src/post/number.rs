@@ -73,6 +73,9 @@ pub fn push(out: &mut String, count: i64, decimals: u8) {
 
 /// The same in a dialect's manner: always with a point, all decimals, or with a plus sign.
 pub fn push_as(out: &mut String, count: i64, decimals: u8, manner: Numbers) {
+    if manner == Numbers::default() {
+        return push(out, count, decimals);
+    }
     if manner.plus && count >= 0 {
         out.push('+');
     }

@@ -89,3 +89,5 @@ fn refused(post: &Post, spot: Spot, refusal: Refusal) -> PostError {
 
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+pub(in crate::post) use tests::{any_step, posts};

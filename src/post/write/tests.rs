@@ -379,7 +379,8 @@ fn a_million_moves_in_a_second() {
     let took = start.elapsed();
     eprintln!("{} bytes in {took:?}", posted.text.len());
     // Generous, since the test machine is shared; it takes about a fifth of a second.
-    assert!(took.as_secs_f64() < 3.0, "{took:?}");
+    let most = if cfg!(debug_assertions) { 30.0 } else { 3.0 };
+    assert!(took.as_secs_f64() < most, "{took:?}");
 }
 
 /// From (10, 0) a quarter round the origin to (0, 10) and half a millimetre up, then on to (-10, 0), and back the long way.

@@ -389,10 +389,9 @@ impl<'a, W: Write> Scribe<'a, W> {
             }
         }
         self.motion = None;
-        for axis in 0..3 {
-            if counts[axis].is_some() {
-                (self.at[axis], self.exact[axis]) = (None, None);
-            }
+        let known = self.at.iter_mut().zip(&mut self.exact);
+        for ((at, exact), _) in known.zip(counts).filter(|(_, told)| told.is_some()) {
+            (*at, *exact) = (None, None);
         }
         // Fanuc's G53 cancels length compensation: with the next Z it is said again, and until then nothing is known.
         if self.tool.is_some() && post.tool.length.as_ref().is_some_and(|t| t.has(Slot::Axes)) {
