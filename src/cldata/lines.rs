@@ -99,7 +99,11 @@ mod tests {
 
     #[test]
     fn lines_end_in_every_way() {
-        for text in ["END\nA\n\nFINI", "END\r\nA\r\n\r\nFINI\r\n", "END\rA\r\rFINI\r"] {
+        for text in [
+            "END\nA\n\nFINI",
+            "END\r\nA\r\n\r\nFINI\r\n",
+            "END\rA\r\rFINI\r",
+        ] {
             let lines: Vec<String> = all(text.as_bytes()).into_iter().map(|l| l.1).collect();
             assert_eq!(lines, ["END", "A", "", "FINI"], "{text:?}");
         }

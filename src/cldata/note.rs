@@ -55,7 +55,9 @@ pub enum NoteKind {
     #[error("a dwell in revolutions was made one in seconds with the spindle's speed")]
     DwellTurns,
     /// The first cut after a tool change is no rapid.
-    #[error("the first move after a tool change goes at feed, from wherever the change leaves the tool")]
+    #[error(
+        "the first move after a tool change goes at feed, from wherever the change leaves the tool"
+    )]
     FeedAfterTool,
     /// A cut straight from FROM's place.
     #[error(

@@ -57,6 +57,10 @@ impl Statement {
     }
 
     fn push(&mut self, line: usize, before: usize, bytes: &[u8]) {
+        // Lines that hold nothing but the $ take no memory, however many there are.
+        if bytes.is_empty() && !self.pieces.is_empty() {
+            return;
+        }
         if !self.text.is_empty() {
             self.text.push(b' ');
         }
@@ -249,8 +253,7 @@ impl<R: BufRead> Statements<R> {
         }
         let before = characters(line.get(..start).unwrap_or_default());
         if !open && text_word(rest(start)).is_some() {
-            self.now
-                .push(number, before, rest(start).trim_ascii_end());
+            self.now.push(number, before, rest(start).trim_ascii_end());
             return Ok(Next::Whole);
         }
         let (end, on) = match dollar(rest(start)) {
@@ -326,9 +329,8 @@ fn sequence(line: &[u8]) -> Option<u64> {
 /// True for remarks which say that the points are the ball's centre.
 pub(super) fn says_center(remark: &[u8]) -> bool {
     let upper = remark.to_ascii_uppercase();
-    let has = |words: &[&str]| {
-        (words.iter()).any(|w| upper.windows(w.len()).any(|u| u == w.as_bytes()))
-    };
+    let has =
+        |words: &[&str]| (words.iter()).any(|w| upper.windows(w.len()).any(|u| u == w.as_bytes()));
     has(&[
         "TOOL CENTER",
         "TOOL CENTRE",

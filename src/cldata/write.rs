@@ -58,10 +58,14 @@ pub enum ClWriteError {
     )]
     PartialRapid,
     /// A cut from an unknown place.
-    #[error("a cut begins where the tool's place is not known whole: put a rapid to a whole place before it")]
+    #[error(
+        "a cut begins where the tool's place is not known whole: put a rapid to a whole place before it"
+    )]
     NoPlace,
     /// Machine coordinates.
-    #[error("a rapid in machine coordinates cannot be said in APT: give the place in work coordinates")]
+    #[error(
+        "a rapid in machine coordinates cannot be said in APT: give the place in work coordinates"
+    )]
     MachineRapid,
     /// Work offsets.
     #[error("work offset {0} cannot be said in APT: choose it in the post")]
@@ -189,12 +193,7 @@ impl<W: Write> Writer<W> {
         }
     }
 
-    fn cut(
-        &mut self,
-        to: &Point,
-        bow: Option<&Bow>,
-        feed: MmPerMin,
-    ) -> Result<(), ClWriteError> {
+    fn cut(&mut self, to: &Point, bow: Option<&Bow>, feed: MmPerMin) -> Result<(), ClWriteError> {
         let [Some(x), Some(y), Some(z)] = self.at else {
             return Err(ClWriteError::NoPlace);
         };

@@ -127,7 +127,10 @@ impl<'a> Args<'a> {
     }
 
     /// Numbers and the commas between them, as long as there are any; how many. The comma before something else is taken too.
-    pub fn numbers<const N: usize>(&mut self, takes: &'static str) -> Result<([f64; N], usize), Fault> {
+    pub fn numbers<const N: usize>(
+        &mut self,
+        takes: &'static str,
+    ) -> Result<([f64; N], usize), Fault> {
         let mut out = [0.0; N];
         let mut count = 0;
         while let Some(&Placed {

@@ -18,8 +18,9 @@
 //! | `INDIRV/`, `TLON,GOFWD/(CIRCLE/..),ON,(LINE/..)` | along the circle to the first crossing with the line, `2,INTOF` to the second | CATIA V5, Creo's APT_FORMAT |
 //! | `CLEARP/XYPLAN,z` and `RETRCT` | straight up to z in rapid, if the tool is lower or its place is not known | GPost's vocabulary |
 
-mod args;
 mod arcs;
+mod args;
+mod drive;
 mod motion;
 mod setup;
 mod switch;
@@ -195,8 +196,10 @@ impl<R: BufRead> Reader<R> {
             if self.statements.read(&mut self.state.notes)? {
                 let now = &self.statements.now;
                 self.tokens.clear();
-                (self.state.statement(now.line(), &now.text, &mut self.tokens))
-                    .map_err(|fault| now.error(fault))?;
+                (self
+                    .state
+                    .statement(now.line(), &now.text, &mut self.tokens))
+                .map_err(|fault| now.error(fault))?;
             } else {
                 self.finished = true;
                 let line = self.statements.line().max(1);
@@ -452,7 +455,8 @@ impl State {
             return Ok(());
         };
         let name = String::from_utf8_lossy(name);
-        let harmless = words::harmless(&name).is_some() || matches!(&*name, "REMARK" | "REWIND" | "TITLE" | "LETTER");
+        let harmless = words::harmless(&name).is_some()
+            || matches!(&*name, "REMARK" | "REWIND" | "TITLE" | "LETTER");
         if end == "END" && (name == "FINI" || harmless) {
             return Ok(());
         }

@@ -71,7 +71,14 @@ impl State {
         args.end()?;
         let word = args.word;
         if found != 3 {
-            return Err((at, ClProblem::Count { word, found, takes: TAKES }));
+            return Err((
+                at,
+                ClProblem::Count {
+                    word,
+                    found,
+                    takes: TAKES,
+                },
+            ));
         }
         if v.iter().any(|c| *c != 0.0) {
             let why = "it shifts all points, and systems differ in which way: output them in the machining system, with 0, 0, 0";
@@ -91,7 +98,8 @@ impl State {
             }
             _ => {
                 let word = "TRACUT".to_string();
-                let why = "it transforms all points and needs an APT processor: output them transformed";
+                let why =
+                    "it transforms all points and needs an APT processor: output them transformed";
                 Err((0, ClProblem::Refused { word, why }))
             }
         }
@@ -120,7 +128,9 @@ impl State {
     pub(super) fn only_off(&mut self, mut args: Args, why: &'static str) -> Result<(), Fault> {
         match args.next()? {
             Some((_, Value::Word(w)))
-                if ["OFF", "NOMORE"].iter().any(|o| w.eq_ignore_ascii_case(o.as_bytes())) =>
+                if ["OFF", "NOMORE"]
+                    .iter()
+                    .any(|o| w.eq_ignore_ascii_case(o.as_bytes())) =>
             {
                 args.end()?;
                 self.note(NoteKind::Harmless(match args.word {
@@ -200,7 +210,10 @@ impl State {
 
     /// Refuses the word that says the points are the centre's.
     fn tip(&self, at: usize, w: &[u8]) -> Result<(), Fault> {
-        match ["CENTER", "CENTRE"].iter().any(|c| w.eq_ignore_ascii_case(c.as_bytes())) {
+        match ["CENTER", "CENTRE"]
+            .iter()
+            .any(|c| w.eq_ignore_ascii_case(c.as_bytes()))
+        {
             true => Err((at, ClProblem::ToolCenter)),
             false => Ok(()),
         }

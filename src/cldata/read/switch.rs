@@ -54,8 +54,7 @@ impl State {
         if speed.is_none() && words == 0 {
             return Err(args.unexpected("a speed, ON or OFF"));
         }
-        self.turn_spindle(speed, direction, off)
-            .map_err(|p| (0, p))
+        self.turn_spindle(speed, direction, off).map_err(|p| (0, p))
     }
 
     fn turn_spindle(
@@ -142,11 +141,18 @@ impl State {
         }
         while let Some((at, value)) = args.next()? {
             if let Value::Word(w) = value
-                && !["ADJUST", "LENGTH", "OSETNO", "IN", "OUT", "MANUAL", "AUTO", "ZOFF", "HOLDER", "NOW"]
-                    .iter()
-                    .any(|k| w.eq_ignore_ascii_case(k.as_bytes()))
+                && ![
+                    "ADJUST", "LENGTH", "OSETNO", "IN", "OUT", "MANUAL", "AUTO", "ZOFF", "HOLDER",
+                    "NOW",
+                ]
+                .iter()
+                .any(|k| w.eq_ignore_ascii_case(k.as_bytes()))
             {
-                return Err(args.minor(at, w, "a tool number, ADJUST, OSETNO, LENGTH, MANUAL or AUTO"));
+                return Err(args.minor(
+                    at,
+                    w,
+                    "a tool number, ADJUST, OSETNO, LENGTH, MANUAL or AUTO",
+                ));
             }
             self.note(NoteKind::Rest("LOADTL"));
         }
