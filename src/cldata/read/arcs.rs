@@ -5,6 +5,7 @@ use super::super::error::{ClProblem, Fault};
 use super::super::note::NoteKind;
 use super::super::step::Step;
 use super::args::{Args, Value, point, vector};
+use super::motion::within;
 use super::{Manner, State};
 use crate::geom::{Point, Vector};
 use crate::units::MmPerMin;
@@ -190,6 +191,7 @@ impl State {
         let scale = self.scale();
         let circle = Circle::new(point(&center, scale), axis, radius * scale);
         let circle = circle.map_err(|p| (at, p))?;
+        within(at, circle.center)?;
         self.may_turn(&circle).map_err(|p| (at, p))?;
         self.arc = Some(Open {
             circle,

@@ -7,6 +7,7 @@ use super::super::token::Token;
 use super::State;
 use super::arcs::{ONE_PLACE, plane_distance};
 use super::args::{Args, Value, point, upper, vector};
+use super::motion::within;
 use crate::geom::{Point, Vector};
 use std::f64::consts::TAU;
 
@@ -84,8 +85,12 @@ impl State {
         let scale = self.scale();
         let circle = Circle::new(point(&center, scale), axis, radius * scale);
         let circle = circle.map_err(|p| (at, p))?;
+        within(at, circle.center)?;
         let [x1, y1, z1, x2, y2, z2, _] = l;
         let line = [point(&[x1, y1, z1], scale), point(&[x2, y2, z2], scale)];
+        for p in &line {
+            within(at_line, *p)?;
+        }
         (self.drive(circle, &line, nth)).map_err(|problem| (at, problem))
     }
 
@@ -97,11 +102,15 @@ impl State {
         // Which way round the direction says.
         let (rx, ry) = (from[i] - circle.center[i], from[j] - circle.center[j]);
         let tangent = along[j] * rx - along[i] * ry;
-        if !(tangent.abs() > 0.5 * along.norm() * rx.hypot(ry)) {
+        let full = along.norm() * rx.hypot(ry);
+        if !(0.5..2.0).contains(&(tangent / full).abs()) {
             return Err(ClProblem::ArcTangent);
         }
         circle.clockwise = tangent < 0.0;
-        if line.iter().any(|p| !((p[n] - from[n]).abs() <= OFF_CIRCLE)) {
+        if line
+            .iter()
+            .any(|p| !(-OFF_CIRCLE..=OFF_CIRCLE).contains(&(p[n] - from[n])))
+        {
             return Err(ClProblem::ArcHeight);
         }
         let end = crossing(&circle, &from, [&line[0], &line[1]], nth)?;

@@ -383,7 +383,7 @@ impl State {
         let args = |word| Args::new(word, text, buffer);
         match name {
             b"GODLTA" => self.godlta(args("GODLTA")),
-            b"FROM" => self.from_place(args("FROM")),
+            b"FROM" => self.start_place(args("FROM")),
             b"GOHOME" => self.go_home(args("GOHOME")),
             b"RAPID" => self.rapid(args("RAPID")),
             b"FEDRAT" => self.fedrat(args("FEDRAT")),
