@@ -198,6 +198,16 @@ fn inches_when_nobody_says_otherwise() {
 }
 
 #[test]
+fn endless_lines_and_statements_are_refused_with_little_memory() {
+    let line = "GOTO/".to_string() + &"1".repeat(2 << 20);
+    assert!(refusal(&line).starts_with("1:1 this statement is longer than 1 MiB"));
+    let many = "GOTO/1,$\n".to_string() + &"2,$\n".repeat(400_000);
+    assert!(refusal(&many).contains("this statement is longer than 1 MiB"));
+    let empty = "$\n".repeat(400_000);
+    assert!(refusal(&empty).contains("carries on"));
+}
+
+#[test]
 fn a_source_that_breaks_says_so() {
     struct Broken;
     impl std::io::Read for Broken {
