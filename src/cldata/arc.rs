@@ -119,7 +119,7 @@ pub(super) fn turn_of_angle(
     to: &Point,
     degrees: f64,
 ) -> Result<Option<f64>, ClProblem> {
-    if !(degrees.abs() <= 3.6e6) {
+    if !(-3.6e6..=3.6e6).contains(&degrees) {
         return Err(ClProblem::Value {
             word: "ANGLE",
             value: degrees,
@@ -160,7 +160,7 @@ pub(super) fn crossing(
     let (px, py) = (line[0][i] - c[i], line[0][j] - c[j]);
     let (dx, dy) = (line[1][i] - line[0][i], line[1][j] - line[0][j]);
     let length = dx.hypot(dy);
-    if !(length > 1e-9) {
+    if !(1e-9..f64::INFINITY).contains(&length) {
         return Err(ClProblem::ArcLine);
     }
     let (dx, dy) = (dx / length, dy / length);

@@ -28,7 +28,7 @@ pub enum ClProblem {
     Unfinished,
     /// A deck of cards whose sequence numbers break off.
     #[error(
-        "columns 73 to 80 hold rising sequence numbers up to here, and none on this line: is it whole?"
+        "columns 73 to 80 hold rising sequence numbers up to here, and not on this line: is the deck whole and in order?"
     )]
     Card,
     /// A character that no statement has at this place.

@@ -25,7 +25,7 @@ pub use cutter::Cutter;
 pub use error::{ClError, ClProblem};
 pub use job::{Coolant, Job};
 pub use note::{Note, NoteKind};
-pub use read::{ReadOptions, Reader};
+pub use read::{About, Lengths, ReadOptions, Reader};
 pub use step::{Bow, Place, Step};
 pub use toolpath::steps;
 pub use write::{ClWriteError, WriteOptions, Writer};

@@ -57,6 +57,10 @@ impl Statement {
     }
 
     fn push(&mut self, line: usize, before: usize, bytes: &[u8]) {
+        // Lines that hold nothing but the $ take no memory, however many there are.
+        if bytes.is_empty() && !self.pieces.is_empty() {
+            return;
+        }
         if !self.text.is_empty() {
             self.text.push(b' ');
         }

@@ -143,7 +143,12 @@ mod tests {
                 arc,
                 go(MoveKind::Retract, 5.0, 4.0, 2.0),
             ],
-            sections: vec![section("one", 0), section("two", 2), section("two b", 2), section("none", 6)],
+            sections: vec![
+                section("one", 0),
+                section("two", 2),
+                section("two b", 2),
+                section("none", 6),
+            ],
             safe_z: 5.0,
         }
     }
@@ -237,7 +242,10 @@ mod tests {
     fn an_empty_path_rises_and_ends() {
         let (p, j) = (Toolpath::default(), job());
         let got: Vec<Step> = steps(&p, &j).map(|s| s.1).skip(3).collect();
-        assert_eq!((&got[0], &got[got.len() - 1]), (&rapid(None, None, 0.0), &Step::End));
+        assert_eq!(
+            (&got[0], &got[got.len() - 1]),
+            (&rapid(None, None, 0.0), &Step::End)
+        );
         assert_eq!(got.len(), 4);
     }
 

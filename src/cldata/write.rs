@@ -23,6 +23,9 @@ use crate::units::MmPerMin;
 use std::f64::consts::TAU;
 use std::io::{self, Write};
 
+/// Coordinates (mm), feeds (mm/min), speeds and times beyond this are no machine's.
+const MOST: f64 = 1e6;
+
 /// Columns of a line.
 const COLUMNS: usize = 72;
 
@@ -44,7 +47,7 @@ pub enum ClWriteError {
     /// The file.
     #[error("the CL file cannot be written: {0}")]
     Io(#[from] io::Error),
-    /// A number that is none.
+    /// A number that is none, or no machine's.
     #[error("{what} is {value}: the path is broken there")]
     Number {
         /// Which.
@@ -138,7 +141,7 @@ impl<W: Write> Writer<W> {
                 speed,
                 spin_up,
             } => {
-                let speed = number("the spindle's speed", speed.0)?;
+                let speed = above_zero("the spindle's speed", speed.0)?;
                 let way = if *direction > 0 { "CLW" } else { "CCLW" };
                 self.line(&format!("SPINDL/RPM,{speed},{way}"))?;
                 match spin_up.0 > 0.0 {
@@ -150,6 +153,10 @@ impl<W: Write> Writer<W> {
                 Coolant::Off => "COOLNT/OFF",
                 Coolant::Flood => "COOLNT/FLOOD",
                 Coolant::Mist => "COOLNT/MIST",
+            }),
+            Step::Dwell(s) if s.0 < 0.0 => Err(ClWriteError::Number {
+                what: "a dwell",
+                value: s.0,
             }),
             Step::Dwell(s) => self.numbers("DELAY", "a dwell", &[s.0]),
             Step::Pause { optional } => self.line(if *optional { "OPSTOP" } else { "STOP" }),
@@ -198,7 +205,7 @@ impl<W: Write> Writer<W> {
             return Err(ClWriteError::NoPlace);
         };
         if self.feed != Some(feed.0) {
-            let f = number("a feed", feed.0)?;
+            let f = above_zero("a feed", feed.0)?;
             self.line(&format!("FEDRAT/MMPM,{f}"))?;
             self.feed = Some(feed.0);
         }
@@ -212,7 +219,7 @@ impl<W: Write> Writer<W> {
         let [i, j, n] = bow.plane.axes();
         let radius = |p: &Point| (p[i] - bow.center[i]).hypot(p[j] - bow.center[j]);
         let (start, end) = (radius(from), radius(to));
-        if !((start - end).abs() <= OFF_CIRCLE) {
+        if !(-OFF_CIRCLE..=OFF_CIRCLE).contains(&(start - end)) {
             return Err(ClWriteError::Arc { start, end });
         }
         let mut center = bow.center;
@@ -314,10 +321,18 @@ fn clean(text: &str, most: usize) -> String {
     text.trim().to_string()
 }
 
+fn above_zero(what: &'static str, value: f64) -> Result<String, ClWriteError> {
+    if value <= 0.0 {
+        return Err(ClWriteError::Number { what, value });
+    }
+    number(what, value)
+}
+
 /// The shortest text that reads back to the same number: with a dot, so that no reader takes it for a whole one, and in powers of ten
 /// where it would be long.
 fn number(what: &'static str, value: f64) -> Result<String, ClWriteError> {
-    if !value.is_finite() {
+    // What no machine does is not read back either.
+    if !(-MOST..=MOST).contains(&value) {
         return Err(ClWriteError::Number { what, value });
     }
     // "1.5", "10.0", "1e-7", "-0.0".

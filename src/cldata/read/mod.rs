@@ -20,6 +20,7 @@
 
 mod arcs;
 mod args;
+mod drive;
 mod motion;
 mod setup;
 mod switch;
@@ -382,7 +383,7 @@ impl State {
         let args = |word| Args::new(word, text, buffer);
         match name {
             b"GODLTA" => self.godlta(args("GODLTA")),
-            b"FROM" => self.from_place(args("FROM")),
+            b"FROM" => self.start_place(args("FROM")),
             b"GOHOME" => self.go_home(args("GOHOME")),
             b"RAPID" => self.rapid(args("RAPID")),
             b"FEDRAT" => self.fedrat(args("FEDRAT")),
@@ -454,7 +455,8 @@ impl State {
             return Ok(());
         };
         let name = String::from_utf8_lossy(name);
-        let harmless = words::harmless(&name).is_some() || matches!(&*name, "REMARK" | "REWIND" | "TITLE" | "LETTER");
+        let harmless = words::harmless(&name).is_some()
+            || matches!(&*name, "REMARK" | "REWIND" | "TITLE" | "LETTER");
         if end == "END" && (name == "FINI" || harmless) {
             return Ok(());
         }

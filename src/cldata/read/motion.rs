@@ -27,6 +27,14 @@ pub(super) fn upright(at: usize, axis: Vector) -> Result<(), Fault> {
     Err((at, ClProblem::FiveAxis { i, j, k }))
 }
 
+/// Refuses places that no machine reaches.
+pub(super) fn within(at: usize, p: Point) -> Result<Point, Fault> {
+    match p.iter().find(|c| !(-FAR..=FAR).contains(*c)) {
+        None => Ok(p),
+        Some(&value) => Err((at, ClProblem::TooFar { value })),
+    }
+}
+
 impl State {
     /// Three numbers, or six with the tool axis; as written.
     fn place(&mut self, args: &mut Args, delta: bool) -> Result<[f64; 3], Fault> {
@@ -46,19 +54,11 @@ impl State {
         }
     }
 
-    /// Refuses places that no machine reaches.
-    fn within(&self, at: usize, p: Point) -> Result<Point, Fault> {
-        match p.iter().find(|c| !(c.abs() <= FAR)) {
-            None => Ok(p),
-            Some(&value) => Err((at, ClProblem::TooFar { value })),
-        }
-    }
-
     pub(super) fn goto(&mut self, mut args: Args) -> Result<(), Fault> {
         let at = args.at();
         let v = self.place(&mut args, false)?;
         let to = point(&v, self.scale());
-        let to = self.within(at, to)?;
+        let to = within(at, to)?;
         match self.arc {
             None => self.go(to),
             Some(_) => self.go_arc(to),
@@ -74,16 +74,16 @@ impl State {
         let Some(from) = self.at else {
             return Err((0, ClProblem::NoPlace { word: "GODLTA" }));
         };
-        let to = self.within(at, from + by)?;
+        let to = within(at, from + by)?;
         self.go(to).map_err(|problem| (at, problem))
     }
 
-    pub(super) fn from_place(&mut self, mut args: Args) -> Result<(), Fault> {
+    pub(super) fn start_place(&mut self, mut args: Args) -> Result<(), Fault> {
         let at = args.at();
         self.close_arc().map_err(|p| (0, p))?;
         let v = self.place(&mut args, false)?;
         let here = point(&v, self.scale());
-        let here = self.within(at, here)?;
+        let here = within(at, here)?;
         let elsewhere = self.at.is_some_and(|a| (a - here).norm() > 1e-4);
         if self.moved && elsewhere && self.changed.is_none() {
             let word = "FROM".to_string();
@@ -240,7 +240,7 @@ impl State {
             Some(s) => s,
             None => self.scale(),
         };
-        if !(mm > 0.0 && mm <= FAR) {
+        if mm <= 0.0 || !(0.0..=FAR).contains(&mm) {
             return Err(args.value(at, v, "must be above zero and below 1000 m/min"));
         }
         Ok(match per_turn {
@@ -257,7 +257,7 @@ impl State {
             Some((_, Value::Word(w))) if w.eq_ignore_ascii_case(b"XYPLAN") => {
                 let at = args.at();
                 let z = args.number("1 (the height)")? * self.scale();
-                if !(z.abs() <= FAR) {
+                if !(-FAR..=FAR).contains(&z) {
                     return Err((at, ClProblem::TooFar { value: z }));
                 }
                 self.clearance = Some(z);

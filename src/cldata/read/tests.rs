@@ -60,7 +60,9 @@ fn bows(text: &str) -> Vec<(Point, Option<f64>)> {
 
 #[test]
 fn one_place_more_than_the_other_gives_the_same_numbers() {
-    let steps = read("UNITS/MM\nRAPID\nGOTO/1,2,3\nFEDRAT/100\nGODLTA/1,0,-1\nGODLTA/-.5\nEND\nFINI").unwrap();
+    let steps =
+        read("UNITS/MM\nRAPID\nGOTO/1,2,3\nFEDRAT/100\nGODLTA/1,0,-1\nGODLTA/-.5\nEND\nFINI")
+            .unwrap();
     assert_eq!(
         steps,
         [
@@ -89,12 +91,16 @@ fn creo_turns_right_handed_and_goes_on_while_points_lie_on_the_circle() {
         .map(|t| format!("GOTO/{:.6},{:.6},0\n", 5.0 * t.cos(), 5.0 * t.sin()))
         .collect();
     let got = bows(&(c(1.0) + &half + "GOTO/5,0,0\nGOTO/0,5,0"));
-    assert!((got[0].1.unwrap() - PI).abs() < 1e-6 && got.len() == 3, "{got:?}");
+    assert!(
+        (got[0].1.unwrap() - PI).abs() < 1e-6 && got.len() == 3,
+        "{got:?}"
+    );
     assert_eq!(got[1], (Point::new(5.0, 0.0, 0.0), None));
     assert_eq!(got[2], (Point::new(0.0, 5.0, 0.0), None), "the arc is over");
     // A whole circle by one point, and by three.
     assert_eq!(bows(&(c(1.0) + "GOTO/5,0,0"))[0].1, Some(TAU));
-    let whole = bows(&(c(-1.0) + "GOTO/-2.5,-4.3301270189,0\nGOTO/-2.5,4.3301270189,0\nGOTO/5,0,0"));
+    let whole =
+        bows(&(c(-1.0) + "GOTO/-2.5,-4.3301270189,0\nGOTO/-2.5,4.3301270189,0\nGOTO/5,0,0"));
     assert_eq!(whole, [(Point::new(5.0, 0.0, 0.0), Some(-TAU))]);
 }
 
@@ -112,8 +118,13 @@ fn points_that_may_be_a_chord_are_refused() {
     ));
     assert!(e.contains("350.0 degrees on"), "{e}");
     // Three quarters in steps of 90 degrees, and then 180.
-    let e = refusal(&format!("{head}GOTO/0,5,0\nGOTO/-5,0,0\nGOTO/0,-5,0\nGOTO/0,5,0\n"));
-    assert!(e.starts_with("9:6 ") && e.contains("180.0 degrees on"), "{e}");
+    let e = refusal(&format!(
+        "{head}GOTO/0,5,0\nGOTO/-5,0,0\nGOTO/0,-5,0\nGOTO/0,5,0\n"
+    ));
+    assert!(
+        e.starts_with("9:6 ") && e.contains("180.0 degrees on"),
+        "{e}"
+    );
     // Points that nobody can tell from their chords are no question.
     let near = bows("CIRCLE/0,0,0,0,0,1,5\nGOTO/-5,0,0\nGOTO/-4.9999,-0.0316,0");
     assert_eq!(near.len(), 1);
@@ -170,7 +181,7 @@ fn a_reader_is_fused_and_says_what_the_file_is() {
     let about = r.about();
     assert_eq!(about.part.as_deref(), Some("Lid 7"));
     assert_eq!(about.machine.as_deref(), Some("MILL,1"));
-    assert_eq!(about.cutter, Some(crate::cldata::Cutter::ball(3.175)));
+    assert_eq!(about.cutter, Some(Cutter::ball(3.175)));
 }
 
 #[test]
@@ -179,8 +190,21 @@ fn inches_when_nobody_says_otherwise() {
         unsaid: Lengths::Inch,
     };
     let mut r = Reader::new("RAPID\nGOTO/1,2,3\n".as_bytes(), options);
-    assert_eq!(r.next().unwrap().unwrap(), (2, rapid(25.4, 50.8, 3.0 * 25.4)));
+    assert_eq!(
+        r.next().unwrap().unwrap(),
+        (2, rapid(25.4, 50.8, 3.0 * 25.4))
+    );
     assert!(r.notes()[0].to_string().contains("taken as inches"));
+}
+
+#[test]
+fn endless_lines_and_statements_are_refused_with_little_memory() {
+    let line = "GOTO/".to_string() + &"1".repeat(2 << 20);
+    assert!(refusal(&line).starts_with("1:1 this statement is longer than 1 MiB"));
+    let many = "GOTO/1,$\n".to_string() + &"2,$\n".repeat(400_000);
+    assert!(refusal(&many).contains("this statement is longer than 1 MiB"));
+    let empty = "$\n".repeat(400_000);
+    assert!(refusal(&empty).contains("carries on"));
 }
 
 #[test]
@@ -201,15 +225,31 @@ fn what_apt_cannot_say_is_not_written() {
     let mut w = Writer::new(Vec::new(), &WriteOptions::default()).unwrap();
     let mut no = |s: Step| w.write(&s).unwrap_err().to_string();
     assert!(no(Step::WorkOffset(2)).contains("work offset 2"));
-    assert!(no(Step::MachineRapid { to: [None, None, Some(0.0)] }).contains("machine coordinates"));
-    assert!(no(Step::Rapid { to: [Some(1.0), Some(2.0), None] }).contains("whole places only"));
+    assert!(
+        no(Step::MachineRapid {
+            to: [None, None, Some(0.0)]
+        })
+        .contains("machine coordinates")
+    );
+    assert!(
+        no(Step::Rapid {
+            to: [Some(1.0), Some(2.0), None]
+        })
+        .contains("whole places only")
+    );
     assert!(no(feed(1.0, 2.0, 3.0, 4.0)).contains("not known whole"));
     w.write(&rapid(0.0, 0.0, 0.0)).unwrap();
     let mut no = |s: Step| w.write(&s).unwrap_err().to_string();
     assert!(no(feed(f64::NAN, 2.0, 3.0, 4.0)).contains("a coordinate is NaN"));
     assert!(no(feed(1.0, 2.0, 3.0, f64::INFINITY)).contains("a feed is inf"));
+    assert!(no(feed(1.0, 2.0, 3.0, 0.0)).contains("a feed is 0"));
+    assert!(no(Step::Dwell(Seconds(-1.0))).contains("a dwell is -1"));
+    assert!(no(rapid(0.0, 2e6, 0.0)).contains("a coordinate is 2000000"));
     w.write(&Step::End).unwrap();
-    assert!(matches!(w.write(&Step::End), Err(crate::cldata::ClWriteError::AfterEnd)));
+    assert!(matches!(
+        w.write(&Step::End),
+        Err(crate::cldata::ClWriteError::AfterEnd)
+    ));
 }
 
 #[test]
@@ -217,17 +257,29 @@ fn a_written_file_by_hand() {
     let text = write(&[
         Step::Comment("one".into()),
         Step::Tool { number: 2 },
-        Step::Rapid { to: [None, None, Some(5.0)] },
-        Step::Spindle { direction: 1, speed: Rpm(18000.0), spin_up: Seconds(3.0) },
+        Step::Rapid {
+            to: [None, None, Some(5.0)],
+        },
+        Step::Spindle {
+            direction: 1,
+            speed: Rpm(18000.0),
+            spin_up: Seconds(3.0),
+        },
         Step::Coolant(Coolant::Mist),
         rapid(5.0, 0.0, 5.0),
         feed(5.0, 0.0, -1.25, 500.0),
         Step::Feed {
             to: Point::new(-5.0, 0.0, -1.0),
-            bow: Some(Bow { plane: Plane::Xy, center: Point::new(0.0, 0.0, -1.25), sweep: -PI }),
+            bow: Some(Bow {
+                plane: Plane::Xy,
+                center: Point::new(0.0, 0.0, -1.25),
+                sweep: -PI,
+            }),
             feed: MmPerMin(500.0),
         },
-        Step::Rapid { to: [None, None, Some(5.0)] },
+        Step::Rapid {
+            to: [None, None, Some(5.0)],
+        },
         Step::End,
     ]);
     let want = "PARTNO/\nUNITS/MM\nPPRINT/one\nLOADTL/2\nCLEARP/XYPLAN,5.0\nRETRCT\nSPINDL/RPM,18000.0,CLW\nDELAY/3.0\nCOOLNT/MIST\nRAPID\nGOTO/5.0,0.0,5.0\nFEDRAT/MMPM,500.0\nGOTO/5.0,0.0,-1.25\nMOVARC/0.0,0.0,-1.25,0.0,0.0,-1.0,5.0,ANGLE,180.0\nGOTO/-5.0,0.0,-1.0\nRAPID\nGOTO/-5.0,0.0,5.0\nEND\nFINI\n";
@@ -239,19 +291,27 @@ type Draw = (u8, [f64; 3], [f64; 3], bool);
 
 /// Steps as the writer's head calls canonical, out of random draws.
 fn canonical(draws: &[Draw], scale: f64) -> Vec<Step> {
-    let mut out = vec![Step::Rapid { to: [None, None, Some(50.0)] }];
+    let mut out = vec![Step::Rapid {
+        to: [None, None, Some(50.0)],
+    }];
     let mut at = Point::new(0.0, 0.0, 50.0);
     out.push(rapid(at.x, at.y, at.z));
     let mut turning = false;
     // Every spindle that a tool change stops is started again.
-    let start = Step::Spindle { direction: 1, speed: Rpm(1234.5), spin_up: Seconds(0.0) };
+    let start = Step::Spindle {
+        direction: 1,
+        speed: Rpm(1234.5),
+        spin_up: Seconds(0.0),
+    };
     for (which, p, v, flag) in draws {
         let to = Point::new(p[0] * scale, p[1] * scale, p[2] * scale);
         let f = MmPerMin(1.0 + v[0].abs() * 100.0);
         match which % 10 {
             0 => out.push(Step::Comment(format!("op {which}, {:?}", v[0]))),
             1 => {
-                out.push(Step::Tool { number: v[0].abs() as u32 });
+                out.push(Step::Tool {
+                    number: v[0].abs() as u32,
+                });
                 if turning {
                     out.push(start.clone());
                 }
@@ -266,10 +326,16 @@ fn canonical(draws: &[Draw], scale: f64) -> Vec<Step> {
                         speed: Rpm(1.0 + v[0].abs()),
                         spin_up: Seconds(0.0),
                     },
-                    false => Step::Spindle { direction: 0, speed: Rpm(0.0), spin_up: Seconds(0.0) },
+                    false => Step::Spindle {
+                        direction: 0,
+                        speed: Rpm(0.0),
+                        spin_up: Seconds(0.0),
+                    },
                 });
             }
-            3 => out.push(Step::Coolant([Coolant::Off, Coolant::Flood, Coolant::Mist][usize::from(which / 10) % 3])),
+            3 => out.push(Step::Coolant(
+                [Coolant::Off, Coolant::Flood, Coolant::Mist][usize::from(which / 10) % 3],
+            )),
             4 => out.push(Step::Dwell(Seconds(v[0].abs()))),
             5 => out.push(Step::Pause { optional: *flag }),
             6 => {
@@ -277,7 +343,11 @@ fn canonical(draws: &[Draw], scale: f64) -> Vec<Step> {
                 at = to;
             }
             7 => {
-                out.push(Step::Feed { to, bow: None, feed: f });
+                out.push(Step::Feed {
+                    to,
+                    bow: None,
+                    feed: f,
+                });
                 at = to;
             }
             _ => {
@@ -303,7 +373,11 @@ fn canonical(draws: &[Draw], scale: f64) -> Vec<Step> {
                 let more = f64::from(which % 4) * TAU.copysign(once);
                 out.push(Step::Feed {
                     to,
-                    bow: Some(Bow { plane, center, sweep: once + more }),
+                    bow: Some(Bow {
+                        plane,
+                        center,
+                        sweep: once + more,
+                    }),
                     feed: f,
                 });
                 at = to;
@@ -337,6 +411,50 @@ proptest! {
         prop_assert!(text.lines().all(|l| l.len() <= 72));
         let back = read(&text).map_err(|e| TestCaseError::fail(format!("{e}\n{text}")))?;
         prop_assert_eq!(back, steps);
+    }
+
+    /// One arc as each system writes it is one arc.
+    #[test]
+    fn all_forms_mean_the_same_arc(
+        x in -50.0..50.0f64, y in -50.0..50.0f64, r in 1.0..80.0f64, start in 0.0..6.2f64,
+        sweep in 0.1..6.2f64, clockwise: bool, points in 2u32..40,
+    ) {
+        // A crossing so near the line that digits decide whether it was passed is nobody's.
+        prop_assume!((sweep - PI).abs() > 0.01);
+        let sign = if clockwise { -1.0 } else { 1.0 };
+        let at = |t: f64| (x + r * (start + sign * t).cos(), y + r * (start + sign * t).sin());
+        let goto = |t: f64| format!("GOTO/{:.6},{:.6},-1\n", at(t).0, at(t).1);
+        let head = format!("UNITS/MM\nFEDRAT/100\nRAPID\n{}", goto(0.0));
+        let end = at(sweep);
+        let series: String = (1..=points)
+            .map(|k| goto(sweep * f64::from(k) / f64::from(points)))
+            .collect();
+        let tangent = start + sign * 0.5 * PI;
+        let forms = [
+            format!("CIRCLE/{x},{y},-1,0,0,{sign},{r}\n{}", goto(sweep)),
+            format!("CIRCLE/{x},{y},-1,0,0,{sign},{r}\n{series}"),
+            format!("CIRCLE/{x},{y},-1,0,0,{},{r},.03,.5,6,3\n{}", -sign, goto(sweep)),
+            format!("MOVARC/{x},{y},-1,0,0,{sign},{r},ANGLE,{:.4}\n{}", sweep.to_degrees(), goto(sweep)),
+            format!("MOVARC/CENTER,{x},{y},-1,AXIS,0,0,{sign},RADIUS,{r}\n{}", goto(sweep)),
+            format!(
+                "INDIRV/{:.5},{:.5},0\nTLON,GOFWD/(CIRCLE/{x},{y},-1,$\n{r}),ON,{}(LINE/{x},{y},-1,{:.6},{:.6},-1)\n",
+                tangent.cos(), tangent.sin(), if sweep > PI { "2,INTOF," } else { "" }, end.0, end.1,
+            ),
+        ];
+        for form in forms {
+            // Two steps of a large arc may be a chord: refused, and that is right.
+            if form.ends_with(&series) && points == 2 && sweep > 4.2 {
+                continue;
+            }
+            let steps = read(&format!("{head}{form}END\nFINI\n"))
+                .map_err(|e| TestCaseError::fail(format!("{e}\n{form}")))?;
+            let Some(Step::Feed { to, bow: Some(b), .. }) = steps.get(1) else {
+                return Err(TestCaseError::fail(format!("{steps:?}\n{form}")));
+            };
+            prop_assert_eq!(steps.len(), 3, "{}", form);
+            prop_assert!((to.x - end.0).hypot(to.y - end.1) < 1e-4);
+            prop_assert!((b.sweep - sign * sweep).abs() < 1e-5, "{} {}\n{}", b.sweep, sweep, form);
+        }
     }
 
     #[test]
