@@ -47,8 +47,8 @@ enum Command {
     Controller(Box<controller::ControllerArgs>),
     /// The serial ports of this computer
     Ports,
-    /// The machines that come with the program
-    Machines,
+    /// Machines: listed, shown, checked, begun anew
+    Machines(machines::MachinesArgs),
     /// The G-code dialects that come with the program
     Posts,
 }
@@ -91,7 +91,7 @@ pub fn main() -> ExitCode {
         Command::Send(a) => Ok(ExitCode::from(send::run(&a, &mut std::io::stdout()))),
         Command::Controller(a) => Ok(ExitCode::from(controller::run(&a, &mut std::io::stdout()))),
         Command::Ports => Ok(ExitCode::from(ports::run(&mut std::io::stdout()))),
-        Command::Machines => output::to_stdout(|w| machines::run(w)),
+        Command::Machines(a) => machines::run(&a),
         Command::Posts => output::to_stdout(|w| posts::run(w)),
     };
     match outcome {

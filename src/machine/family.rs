@@ -54,7 +54,7 @@ pub const FAMILIES: [Family; 23] = [
     family("reprap", "RepRapFirmware", Kind::Firmware),
     family("tinyg", "TinyG and g2core", Kind::Firmware),
     family("masso", "Masso", Kind::Computer),
-    family("carbide", "Carbide Motion (GRBL inside)", Kind::Grbl),
+    family("carbide", "Carbide Motion", Kind::Computer),
 ];
 
 /// The names of all families.

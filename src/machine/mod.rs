@@ -3,6 +3,7 @@
 //! Crosses the border: the text of a machine file in; travels in mm, rates in mm/min, accelerations in mm/s², all checked, out.
 //! Never knows parts, paths or dialects (a machine names its dialect, it does not open it).
 
+pub mod advice;
 mod built_in;
 pub mod data;
 pub mod family;

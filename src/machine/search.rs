@@ -103,7 +103,7 @@ pub fn own_names(directories: &[PathBuf]) -> Vec<String> {
 }
 
 /// [`super::data::find`] in the directories given.
-pub(super) fn find_in(
+pub fn find_in(
     directories: &[PathBuf],
     kind: &str,
     folder: &str,

@@ -22,6 +22,7 @@ mod fuzz;
 mod hostile;
 mod link;
 mod looks;
+mod machines;
 mod recordings;
 
 mod refusals;
