@@ -286,16 +286,16 @@ pub fn nearest<'k>(word: &str, known: impl IntoIterator<Item = &'k str>) -> Opti
     let word = word.to_lowercase();
     let mut best: Option<(usize, &str)> = None;
     for k in known {
-        let d = edits(&word, &k.to_lowercase());
-        if best.is_none_or(|(b, _)| d < b) {
+        let lower = k.to_lowercase();
+        let d = edits(&word, &lower);
+        // A forgotten suffix ("travel" for "travel_mm") counts as a slip too.
+        let close = d <= 1 + word.chars().count().max(k.chars().count()) / 3
+            || (!word.is_empty() && lower.starts_with(&word));
+        if close && best.is_none_or(|(b, _)| d < b) {
             best = Some((d, k));
         }
     }
-    // A forgotten suffix ("travel" for "travel_mm") counts as a slip too.
-    best.filter(|(d, k)| {
-        *d <= 1 + word.chars().count().max(k.chars().count()) / 3 || k.starts_with(&word)
-    })
-    .map(|(_, k)| k.to_string())
+    best.map(|(_, k)| k.to_string())
 }
 
 /// Levenshtein distance: insertions, deletions and replacements of one character from `a` to `b`.
@@ -339,6 +339,11 @@ mod tests {
         assert_eq!(
             nearest("travel", ["title", "travel_mm"]),
             Some("travel_mm".to_string())
+        );
+        assert_eq!(
+            nearest("longmil", ["nomad-3", "longmill-30x30"]),
+            Some("longmill-30x30".to_string()),
+            "one that is nearer and yet no slip is passed over"
         );
         assert_eq!(nearest("zzzzzzzz", ["baud", "post"]), None);
         assert_eq!(nearest("x", []), None);
