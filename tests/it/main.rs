@@ -25,6 +25,7 @@ mod looks;
 mod machines;
 mod recordings;
 
+mod own_files;
 mod refusals;
 mod repeat;
 mod story;
