@@ -1,8 +1,10 @@
 //! The machine files as a whole: their sanity, their posts, and the JSON schema that editors use.
 
+use morsemill::gcode::Dialect;
 use morsemill::machine::data::DataError;
 use morsemill::machine::family::{FAMILIES, Kind};
 use morsemill::machine::{BUILT_IN, CONTROLLERS, Machine};
+use morsemill::simulate::{DryRunOptions, Kind as FaultKind, Stock, dry_run};
 use serde_json::Value;
 
 fn machines() -> Vec<Machine> {
@@ -123,6 +125,29 @@ fn figures_are_those_of_real_machines() {
             Kind::Computer | Kind::Cabinet => assert_eq!(m.baud, 0, "{name}"),
         }
     }
+}
+
+/// A cutting feed above the maker's is told, the rapid traverse above it is not.
+#[test]
+fn feeds_above_the_makers_cutting_feed_are_told() {
+    let m = Machine::load("haas-vf-2").unwrap();
+    let told = |feed: f64| -> Vec<String> {
+        let text = format!("M3 S1000\nG0 Z5\nG0 X1 Y1\nG1 X50 F{feed}\nG1 X60 Y10\n");
+        let options = DryRunOptions::new(0.02, Stock::Allowance(0.5));
+        let report = dry_run(&text, Dialect::Grbl, &m, None, &options);
+        let feeds = report
+            .warnings
+            .into_iter()
+            .filter(|w| w.kind == FaultKind::Feed);
+        feeds.map(|w| w.text).collect()
+    };
+    assert_eq!(told(16_500.0), Vec::<String>::new());
+    assert_eq!(
+        told(20_000.0),
+        [
+            "2 moves ask for more feed than haas-vf-2 cuts at, the first for 20000 mm/min (it does 16500): its control slows them or stops with an alarm"
+        ]
+    );
 }
 
 /// Where a machine file's figures come from stands in it.

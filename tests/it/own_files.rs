@@ -138,7 +138,7 @@ fn check_ends_with_the_contract_exit_codes() {
     let out = run(&["machines", "check", name], &[]);
     assert_eq!(out.status.code(), Some(1));
     assert!(
-        text(&out.stderr).contains("mine.toml:18:1: unknown key \"bawd\" (did you mean \"baud\"?)"),
+        text(&out.stderr).contains("mine.toml:17:1: unknown key \"bawd\" (did you mean \"baud\"?)"),
         "{}",
         text(&out.stderr)
     );
