@@ -1,4 +1,5 @@
 //! The machine files as a whole: their sanity, their posts, and the JSON schema that editors use.
+#![allow(clippy::unwrap_used)]
 
 use morsemill::gcode::Dialect;
 use morsemill::machine::data::DataError;

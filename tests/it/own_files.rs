@@ -1,4 +1,5 @@
 //! The user's own machines and dialects, found through the environment: the program itself is run.
+#![allow(clippy::unwrap_used)]
 
 use std::path::Path;
 use std::process::{Command, Output};
