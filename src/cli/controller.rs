@@ -36,6 +36,13 @@ fn serve(args: &ControllerArgs, out: &mut dyn Write) -> Result<(), String> {
         return Err("say how to reach it: --pty".to_string());
     }
     let machine = super::sources::machine(&args.machine).map_err(|e| e.to_string())?;
+    if !machine.speaks_grbl() {
+        let family = machine.family().map_or("another controller", |f| f.title);
+        return Err(format!(
+            "machine {} runs {family}, and only GRBL is simulated: name a machine with a GRBL family controller",
+            machine.name
+        ));
+    }
     let (sender, receiver) = mpsc::channel();
     ctrlc::set_handler(move || _ = sender.send(()))
         .map_err(|e| format!("Ctrl-C cannot be caught: {e}"))?;

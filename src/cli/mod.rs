@@ -55,12 +55,12 @@ enum Command {
     Controller(Box<controller::ControllerArgs>),
     /// The serial ports of this computer
     Ports,
-    /// The machines that come with the program
-    Machines,
     /// What the reader understands of each controller's G-code, and what it refuses
     Dialects(dialects::DialectsArgs),
     /// The G-code dialects: list, show, check and begin your own
     Posts(posts::PostsArgs),
+    /// Machines: listed, shown, checked, begun anew
+    Machines(machines::MachinesArgs),
 }
 
 /// Why a command ended badly.
@@ -103,9 +103,9 @@ pub fn main() -> ExitCode {
         Command::Send(a) => Ok(ExitCode::from(send::run(&a, &mut std::io::stdout()))),
         Command::Controller(a) => Ok(ExitCode::from(controller::run(&a, &mut std::io::stdout()))),
         Command::Ports => Ok(ExitCode::from(ports::run(&mut std::io::stdout()))),
-        Command::Machines => output::to_stdout(|w| machines::run(w)),
         Command::Dialects(a) => dialects::run(&a),
         Command::Posts(a) => posts::run(&a),
+        Command::Machines(a) => machines::run(&a),
     };
     match outcome {
         Ok(code) => code,

@@ -113,9 +113,10 @@ fn send(args: &SendArgs, out: &mut dyn Write) -> Result<u8, Failure> {
             "--port tcp://... is not supported yet: use a serial device, or `sim`",
         ));
     }
-    if !args.dry_run && machine.controller == "linuxcnc" {
+    if !args.dry_run && !machine.speaks_grbl() {
+        let family = machine.family().map_or("another controller", |f| f.title);
         return Err(cannot(format!(
-            "machine {} runs LinuxCNC, which loads programs from its own disk: `send` speaks GRBL",
+            "machine {} runs {family}, which is not fed in GRBL's protocol: `send` speaks nothing else; load the program as a file",
             machine.name
         )));
     }

@@ -154,6 +154,15 @@ impl<'a> Reader<'a> {
 
     /// The text as `T`. The error of an unknown key names the closest known one.
     pub fn parse<T: DeserializeOwned>(&self) -> Result<T, DataError> {
+        if self.text.len() > MOST_BYTES {
+            return Err(DataError::Syntax {
+                at: self.place(0),
+                message: format!(
+                    "it has {} bytes, and such a file is a page of text: is this the right file?",
+                    self.text.len()
+                ),
+            });
+        }
         toml::from_str(self.text).map_err(|e| self.explain(&e))
     }
 
@@ -170,7 +179,7 @@ impl<'a> Reader<'a> {
         match quoted.split_first() {
             Some((key, known)) if message.starts_with("unknown field") => DataError::UnknownKey {
                 at,
-                key: key.clone(),
+                key: shortened(key, LONGEST_SHOWN),
                 nearest: nearest(key, known.iter().map(String::as_str)),
                 known: known.to_vec(),
             },
@@ -181,7 +190,7 @@ impl<'a> Reader<'a> {
             },
             _ => DataError::Syntax {
                 at,
-                message: plain(message),
+                message: shortened(&plain(message), 10 * LONGEST_SHOWN),
             },
         }
     }
@@ -197,7 +206,7 @@ impl<'a> Reader<'a> {
         let e = DataError::Value {
             at: self.place(value.span().start),
             key: key.to_string(),
-            value: shown,
+            value: shortened(&shown, LONGEST_SHOWN),
             problem: problem.into(),
         };
         self.complaints.push(e);
@@ -255,6 +264,20 @@ impl<'a> Reader<'a> {
     }
 }
 
+/// Bytes of a data file: no machine and no dialect needs more; a wrong file (a part, a program) often has.
+pub const MOST_BYTES: usize = 1 << 16;
+
+/// Characters of a key or a value that a complaint repeats.
+const LONGEST_SHOWN: usize = 80;
+
+/// The front of a text that is too long to repeat.
+fn shortened(text: &str, most: usize) -> String {
+    match text.char_indices().nth(most) {
+        Some((end, _)) => format!("{}...", text.get(..end).unwrap_or_default()),
+        None => text.to_string(),
+    }
+}
+
 /// serde's names for kinds of values in a machinist's words.
 fn plain(message: &str) -> String {
     message
@@ -283,19 +306,23 @@ pub fn find(
 
 /// The word of `known` closest to `word`, when it is close enough to be a slip of the pen; the first of equals.
 pub fn nearest<'k>(word: &str, known: impl IntoIterator<Item = &'k str>) -> Option<String> {
+    // What is that long is no slip, and would take its time.
+    if word.len() > 200 {
+        return None;
+    }
     let word = word.to_lowercase();
     let mut best: Option<(usize, &str)> = None;
     for k in known {
-        let d = edits(&word, &k.to_lowercase());
-        if best.is_none_or(|(b, _)| d < b) {
+        let lower = k.to_lowercase();
+        let d = edits(&word, &lower);
+        // A forgotten suffix ("travel" for "travel_mm") counts as a slip too.
+        let close = d <= 1 + word.chars().count().max(k.chars().count()) / 3
+            || (!word.is_empty() && lower.starts_with(&word));
+        if close && best.is_none_or(|(b, _)| d < b) {
             best = Some((d, k));
         }
     }
-    // A forgotten suffix ("travel" for "travel_mm") counts as a slip too.
-    best.filter(|(d, k)| {
-        *d <= 1 + word.chars().count().max(k.chars().count()) / 3 || k.starts_with(&word)
-    })
-    .map(|(_, k)| k.to_string())
+    best.map(|(_, k)| k.to_string())
 }
 
 /// Levenshtein distance: insertions, deletions and replacements of one character from `a` to `b`.
@@ -320,6 +347,28 @@ mod tests {
     use super::*;
 
     #[test]
+    fn enormous_texts_are_not_repeated() {
+        #[derive(serde::Deserialize, Debug)]
+        #[serde(deny_unknown_fields)]
+        struct Empty {}
+        let text = format!("{} = 1\n", "ab".repeat(10_000));
+        let e = Reader::new("f", &text, "machines")
+            .parse::<Empty>()
+            .unwrap_err()
+            .to_string();
+        assert!(e.starts_with("f:1:1: ") && e.len() < 1_500, "{e}");
+        let text = "# ".repeat(MOST_BYTES);
+        let e = Reader::new("f", &text, "machines")
+            .parse::<Empty>()
+            .unwrap_err()
+            .to_string();
+        assert_eq!(
+            e,
+            "f:1:1: it has 131072 bytes, and such a file is a page of text: is this the right file?"
+        );
+    }
+
+    #[test]
     fn counts_edits() {
         for (a, b, d) in [
             ("", "", 0),
@@ -339,6 +388,11 @@ mod tests {
         assert_eq!(
             nearest("travel", ["title", "travel_mm"]),
             Some("travel_mm".to_string())
+        );
+        assert_eq!(
+            nearest("longmil", ["nomad-3", "longmill-30x30"]),
+            Some("longmill-30x30".to_string()),
+            "one that is nearer and yet no slip is passed over"
         );
         assert_eq!(nearest("zzzzzzzz", ["baud", "post"]), None);
         assert_eq!(nearest("x", []), None);

@@ -3,7 +3,7 @@
 //! Crosses the border: directories, handed in once by `cli` (which alone reads the environment), and a name in; a file or the built-in
 //! text out. Never knows what such a file means.
 
-use super::data::DataError;
+use super::data::{DataError, MOST_BYTES};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
@@ -103,7 +103,7 @@ pub fn own_names(directories: &[PathBuf]) -> Vec<String> {
 }
 
 /// [`super::data::find`] in the directories given.
-pub(super) fn find_in(
+pub fn find_in(
     directories: &[PathBuf],
     kind: &str,
     folder: &str,
@@ -142,9 +142,6 @@ pub(super) fn find_in(
     }
 }
 
-/// No machine and no dialect needs more; a wrong file (a part, a program) often has.
-const MOST_BYTES: u64 = 1 << 20;
-
 /// The text of a data file.
 fn read(kind: &str, path: &Path) -> Result<String, DataError> {
     let refuse = |problem: String| DataError::Unreadable {
@@ -156,7 +153,7 @@ fn read(kind: &str, path: &Path) -> Result<String, DataError> {
     if !meta.is_file() {
         return Err(refuse("it is not a file: name a .toml file".to_string()));
     }
-    if meta.len() > MOST_BYTES {
+    if meta.len() > MOST_BYTES as u64 {
         return Err(refuse(format!(
             "it has {} bytes, and such a file is a page of text: is this the right file?",
             meta.len()
@@ -245,11 +242,11 @@ mod tests {
         std::fs::write(dir.path().join("router.toml"), [0xff, 0xfe, 0]).unwrap();
         let e = find(&dirs, "router").unwrap_err().to_string();
         assert!(e.contains("it is not text (UTF-8)"), "{e}");
-        let big = vec![b'#'; (MOST_BYTES + 1) as usize];
+        let big = vec![b'#'; MOST_BYTES + 1];
         std::fs::write(dir.path().join("router.toml"), big).unwrap();
         let e = find(&dirs, "router").unwrap_err().to_string();
         assert!(
-            e.contains("it has 1048577 bytes, and such a file is a page of text"),
+            e.contains("it has 65537 bytes, and such a file is a page of text"),
             "{e}"
         );
     }

@@ -32,6 +32,7 @@ pub fn limits(events: &[Event], machine: &Machine) -> Limits {
     };
     travels(events, machine, &mut out);
     rates(events, machine, &mut out);
+    cutting(events, machine, &mut out);
     spindle(events, machine, &mut out);
     out
 }
@@ -138,6 +139,31 @@ fn rates(events: &[Event], machine: &Machine, out: &mut Limits) {
             text: format!(
                 "{count} moves ask for more than {} goes, the first for {:.0} mm/min of axis {} (it does {:.0}): they run slower, and the time counts them so",
                 machine.name, rate, AXES[a], machine.max_rate[a].0
+            ),
+        });
+    }
+}
+
+/// Feeds above what the maker allows while cutting.
+fn cutting(events: &[Event], machine: &Machine, out: &mut Limits) {
+    let Some(most) = machine.max_feed else { return };
+    let mut over: Option<(usize, f64, usize)> = None;
+    for event in events {
+        if let Event::Motion(m) = event
+            && m.kind == MotionKind::Feed
+            && !m.inverse_time
+            && m.feed.0 > most.0 * (1.0 + 1e-6)
+        {
+            over = Some(over.map_or((m.line, m.feed.0, 1), |o| (o.0, o.1, o.2 + 1)));
+        }
+    }
+    if let Some((line, feed, count)) = over {
+        out.warnings.push(Problem {
+            kind: Kind::Feed,
+            line: Some(line),
+            text: format!(
+                "{count} moves ask for more feed than {} cuts at, the first for {feed:.0} mm/min (it does {:.0}): its control slows them or stops with an alarm",
+                machine.name, most.0
             ),
         });
     }

@@ -18,15 +18,18 @@ mod toolpath;
 mod turns;
 mod walls;
 
+mod cl;
+mod programs;
+mod round_trip;
+
 mod fuzz;
 mod hostile;
 mod link;
 mod looks;
+mod machines;
 mod recordings;
 
-mod programs;
-mod cl;
+mod own_files;
 mod refusals;
 mod repeat;
-mod round_trip;
 mod story;

@@ -7,10 +7,10 @@ use super::labels::Found;
 use super::{FlowComplaint, Interpreter, Language, flow, unreadable};
 use crate::gcode::dialect::Dialect;
 use crate::gcode::error::Fault;
-use crate::gcode::{heidenhain, siemens};
 use crate::gcode::parameter::Parameters;
 use crate::gcode::source::LineStart;
 use crate::gcode::state::State;
+use crate::gcode::{heidenhain, siemens};
 use std::io::{BufRead, Seek};
 
 /// What called.
@@ -249,7 +249,11 @@ impl<R: BufRead + Seek> Interpreter<R> {
         if let Some(ended) = ended {
             self.over = true;
             // Behind a mistake, what is missing may be its doing.
-            return if self.errors.is_empty() { ended } else { Ok(()) };
+            return if self.errors.is_empty() {
+                ended
+            } else {
+                Ok(())
+            };
         }
         let frame = self.frame();
         if frame.kind == Kind::Main {

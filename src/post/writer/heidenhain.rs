@@ -89,7 +89,8 @@ impl<W: Write> Scribe<'_, W> {
             self.page.figure("IZ", climb, self.decimals, manner);
             self.at = to;
             // Where the angle as written leads.
-            let told = (turn as f64 * 0.1_f64.powi(i32::from(self.post.decimals.angle))).to_radians();
+            let told =
+                (turn as f64 * 0.1_f64.powi(i32::from(self.post.decimals.angle))).to_radians();
             self.adrift = start.map(|[x, y]| {
                 let [u, v] = pole.map(|c| 0.1 * c as f64);
                 let (a, b) = (x - u, y - v);
