@@ -247,3 +247,55 @@ pub const TOML_WORDS: [&str; 28] = [
     "{speed}",
     "#",
 ];
+
+/// CL files as CAD systems write them.
+pub fn cl() -> Vec<Vec<u8>> {
+    [
+        "$$* Pro/CLfile\n$$-> MFGNO / OP010\nPARTNO / PART\nUNITS / MM\nMULTAX / OFF\nLOADTL / 1\nSPINDL / RPM, 8000.0, CLW\nCOOLNT / ON\n\
+         RAPID\nGOTO / 0.0, 0.0, 10.0\nFEDRAT / 500.0, MMPM\nGOTO / 0.0, 0.0, -1.0\nCIRCLE / 10.0, 0.0, -1.0, $\n0.0, 0.0, 1.0, 10.0\n\
+         GOTO / 10.0, -10.0, -1.0\nGOTO / 20.0, 0.0, -1.0\nCOOLNT / OFF\nSPINDL / OFF\nFINI\n",
+        "TOOL PATH/MILL,TOOL,BALL6\nTLDATA/MILL,6.0000,3.0000,50.0000,0.0000,0.0000\nMSYS/0.0,0.0,0.0,1.0,0.0,0.0,0.0,1.0,0.0\nPAINT/PATH\n\
+         LOADTL/1\nSPINDL/RPM,1000,CLW\nRAPID\nGOTO/1.0,2.0,3.0,0.0,0.0,1.0\nFEDRAT/MMPM,250.0\nGODLTA/0,0,-1\n\
+         CIRCLE/0.0,2.0,2.0,0.0,0.0,-1.0,1.0,0.06,0.5,6.0,0.0,TIMES,1\nGOTO/0.0,1.0,2.0\nDELAY/1.5\nSTOP\nOPSTOP\nEND-OF-PATH\nEND\n",
+        "$$ CATIA\nPPRINT text, with commas\nCUTTER/6,3,0,3,0,0,50\nINDIRV/1,0,0\nTLON,GOFWD/(CIRCLE/0,0,0,5),ON,(LINE/0,0,0,5,5,0)\n\
+         MOVARC/0,0,0,0,0,1,5,ANGLE,90\nGOTO/0,5,0\nFROM/0,0,50\nCLEARP/XYPLAN,20\nRETRCT\nFINI\n",
+    ]
+    .map(|t| t.as_bytes().to_vec())
+    .into()
+}
+
+/// Words of CL files.
+pub const CL_WORDS: [&str; 32] = [
+    "GOTO/",
+    "GODLTA/",
+    "RAPID\n",
+    "FEDRAT/",
+    "MMPM",
+    "MMPR",
+    "IPM",
+    "SPINDL/",
+    "RPM,",
+    "CLW",
+    "CCLW",
+    "COOLNT/",
+    "FLOOD",
+    "LOADTL/",
+    "TLDATA/",
+    "CUTTER/",
+    "CIRCLE/",
+    "MOVARC/",
+    "TIMES,",
+    "UNITS/INCHES\n",
+    "MULTAX/ON\n",
+    "PPRINT ",
+    "CYCLE/",
+    "END\n",
+    "FINI\n",
+    "$\n",
+    "$$",
+    "FROM/",
+    "CLEARP/",
+    "STOP\n",
+    ",",
+    "/",
+];

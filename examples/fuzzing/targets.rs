@@ -1,6 +1,7 @@
 //! What is fuzzed: for each format its seeds, its dictionary, and what must hold of whatever is read. A new format is one more entry.
 
 use super::corpus;
+use morsemill::cldata::{ReadOptions, Reader, Step};
 use morsemill::gcode::{self, Dialect, Event};
 use morsemill::machine::Machine;
 use morsemill::part::{self, PlaceOptions, Units};
@@ -19,7 +20,7 @@ pub struct Target {
 }
 
 /// All of them.
-pub const TARGETS: [Target; 4] = [
+pub const TARGETS: [Target; 5] = [
     Target {
         name: "stl",
         seeds: corpus::stl,
@@ -37,6 +38,12 @@ pub const TARGETS: [Target; 4] = [
         seeds: corpus::gcode,
         words: &corpus::GCODE_WORDS,
         read: read_program,
+    },
+    Target {
+        name: "cl",
+        seeds: corpus::cl,
+        words: &corpus::CL_WORDS,
+        read: read_cl,
     },
     Target {
         name: "toml",
@@ -109,6 +116,22 @@ fn read_program(bytes: &[u8]) -> Result<bool, String> {
                 "{}: a motion to nowhere was accepted: {m:?}",
                 dialect.name()
             ));
+        }
+    }
+    Ok(true)
+}
+
+fn read_cl(bytes: &[u8]) -> Result<bool, String> {
+    for step in Reader::new(bytes, ReadOptions::default()) {
+        match step {
+            Err(e) => return refused(&e.to_string()),
+            Ok((_, Step::Feed { to, .. })) if to.iter().any(|v| !v.is_finite()) => {
+                return Err("a motion to nowhere was accepted".into());
+            }
+            Ok((_, Step::Rapid { to, .. })) if to.iter().flatten().any(|v| !v.is_finite()) => {
+                return Err("a motion to nowhere was accepted".into());
+            }
+            Ok(_) => {}
         }
     }
     Ok(true)

@@ -348,7 +348,6 @@ pub(super) const PLAIN: Rules = Rules {
     spindle_p: false,
     rapid_feed_apart: false,
     cycles: None,
-    ends: true,
 };
 
 const ELSEWHERE: Rules = Rules {

@@ -39,7 +39,6 @@ pub(super) static GRBL: Rules = Rules {
     firmware: true,
     arc_miss: ArcMiss::Grbl,
     whole_circle: false,
-    ends: false,
     ..PLAIN
 };
 
@@ -122,7 +121,6 @@ pub(super) static GRBLHAL: Rules = Rules {
     turns: true,
     offsets: 9,
     cycles: Some(&HAL_CYCLES),
-    ends: false,
     ..PLAIN
 };
 
@@ -175,7 +173,6 @@ pub(super) static FLUIDNC: Rules = Rules {
     block_delete: BlockDelete::No,
     arc_miss: ArcMiss::Grbl,
     whole_circle: false,
-    ends: false,
     ..PLAIN
 };
 
@@ -185,6 +182,12 @@ pub(super) static CARBIDE: Rules = Rules {
     assumed: &["G10 and G92 are refused: the work zero is the operator's in Carbide Motion"],
     g: &[
         &[
+            (5400, Nothing(Group::WorkOffset, NONE, "the one work zero")),
+            (5500, Refused(ONE_ZERO)),
+            (5600, Refused(ONE_ZERO)),
+            (5700, Refused(ONE_ZERO)),
+            (5800, Refused(ONE_ZERO)),
+            (5900, Refused(ONE_ZERO)),
             (
                 1000,
                 Refused("the work zero is set in Carbide Motion, not by the program"),
@@ -221,9 +224,11 @@ pub(super) static CARBIDE: Rules = Rules {
     block_delete: BlockDelete::No,
     arc_miss: ArcMiss::Grbl,
     whole_circle: false,
-    ends: false,
     ..PLAIN
 };
+
+/// Accepted and ignored, says the maker: the job would run at the zero that holds, not at the one that was meant.
+const ONE_ZERO: &str = "there is one work zero here, and this would be passed over; remove it";
 
 const FIRMWARE_PATH: &[Entry] = &[
     (9110, ArcDistance(Distance::Incremental)),

@@ -220,8 +220,6 @@ pub(super) struct Rules {
     /// F of a G0 line does not touch the feed of G1.
     pub rapid_feed_apart: bool,
     pub cycles: Option<&'static CycleRules>,
-    /// Nothing is read behind M2, M30 or the second `%`.
-    pub ends: bool,
 }
 
 impl Rules {

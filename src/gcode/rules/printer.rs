@@ -156,7 +156,6 @@ pub(super) static MARLIN: Rules = Rules {
     dwell_words: "P (milliseconds) or S (seconds)",
     whole_circle: true,
     twenty: OffsetTwenty::No,
-    ends: false,
     ..PLAIN
 };
 
@@ -219,7 +218,6 @@ pub(super) static SMOOTHIE: Rules = Rules {
     arc_miss: ArcMiss::Grbl,
     offsets: 9,
     rapid_feed_apart: true,
-    ends: false,
     ..PLAIN
 };
 
@@ -298,6 +296,5 @@ pub(super) static REPRAP: Rules = Rules {
     offsets: 9,
     spindle_p: true,
     rapid_feed_apart: true,
-    ends: false,
     ..PLAIN
 };

@@ -58,7 +58,6 @@ pub(super) static TINYG: Rules = Rules {
     arc_miss: ArcMiss::Grbl,
     whole_circle: false,
     twenty: OffsetTwenty::No,
-    ends: false,
     ..PLAIN
 };
 

@@ -83,20 +83,31 @@ impl<W: Write> Scribe<'_, W> {
                 plus: true,
                 ..manner
             };
-            self.page.word("CP");
-            self.page
-                .figure("IPA", turn, self.post.decimals.angle, signed);
-            self.page.figure("IZ", climb, self.decimals, manner);
-            self.at = to;
             // Where the angle as written leads.
             let told =
                 (turn as f64 * 0.1_f64.powi(i32::from(self.post.decimals.angle))).to_radians();
-            self.adrift = start.map(|[x, y]| {
+            let end = start.map(|[x, y]| {
                 let [u, v] = pole.map(|c| 0.1 * c as f64);
                 let (a, b) = (x - u, y - v);
                 let (sin, cos) = told.sin_cos();
                 [u + a * cos - b * sin, v + a * sin + b * cos]
             });
+            let off = |k: usize| match (end, to[k]) {
+                (Some(end), Some(count)) => (end[k] - count as f64).abs(),
+                _ => 0.0,
+            };
+            if off(0).max(off(1)) > END {
+                return Err(Refusal::Cannot {
+                    what: "helix that comes so close to its start: said by its angle, it would end beside its end",
+                    remedy: "let it become lines, or make it of two",
+                });
+            }
+            self.page.word("CP");
+            self.page
+                .figure("IPA", turn, self.post.decimals.angle, signed);
+            self.page.figure("IZ", climb, self.decimals, manner);
+            self.at = to;
+            self.adrift = end;
         }
         self.page.word(way);
         self.feed_word(feed);
@@ -108,6 +119,10 @@ impl<W: Write> Scribe<'_, W> {
 
 /// So much may start and end differ in their distances from a pole, in units of the last decimal.
 const LEFT: f64 = 0.25;
+/// ... and so far may the way be off halfway for that.
+const HALFWAY: f64 = 2.0;
+/// ... and so far may the end be off the place it is meant to be.
+const END: f64 = 0.5;
 
 /// The pole of a helix, in tenths of a count, and its angle. Its end is where the angle leads from the start, at the start's distance from
 /// the pole: so the pole is moved off the rounded centre until it is about as far from start as from end, and the angle is the one seen
@@ -124,10 +139,10 @@ fn polar(circle: &Circle, start: [f64; 2], end: [f64; 2]) -> ([i64; 2], f64) {
         let miss = (start[0] - x).hypot(start[1] - y) - (end[0] - x).hypot(end[1] - y);
         // No further than it must be: what it gains at the end it loses halfway.
         let by = off * (1.0 - LEFT / miss.abs()).max(0.0);
-        // Rounding has put it out by a few units; by more, start and end have never been on one circle.
-        if by.abs() < 20.0 {
-            pole = [x - by * dx / chord, y - by * dy / chord];
-        }
+        // Halfway round it takes the path along, by this much for each unit.
+        let along = 2.0 * (0.25 * circle.sweep.abs().min(std::f64::consts::TAU)).sin();
+        let by = by.clamp(-HALFWAY / along, HALFWAY / along);
+        pole = [x - by * dx / chord, y - by * dy / chord];
     }
     let pole = pole.map(|c| (10.0 * c).round() as i64);
     let [u, v] = pole.map(|c| 0.1 * c as f64);
