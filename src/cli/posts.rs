@@ -3,7 +3,7 @@
 use super::Failure;
 use super::output::{say, to_stdout};
 use crate::machine::DataError;
-use crate::machine::data;
+use crate::machine::{data, search};
 use crate::post::{BUILT_IN, Post, specimen_text};
 use clap::Subcommand;
 use std::io::{self, Write};
@@ -59,7 +59,9 @@ pub fn run(args: &PostsArgs) -> Result<ExitCode, Failure> {
     }
     match args.ask.as_ref().unwrap_or(&Ask::List) {
         Ask::List => {
-            let (own, bad) = own(dirs);
+            let mut all = dirs.clone();
+            all.extend_from_slice(search::directories("posts"));
+            let (own, bad) = own(&all);
             bad.iter().for_each(|line| say(line));
             to_stdout(|w| list(w, &own))
         }

@@ -44,15 +44,19 @@ fn write(post: &Post, steps: &[Step]) -> (Vec<u8>, Vec<Step>, usize) {
     }
 }
 
+/// What went wrong, for the reader of a failed test.
 #[derive(Debug)]
-enum Trouble {
-    Refused(Refusal),
-    Differs(VerifyError),
-}
+struct Trouble(String);
 
 impl From<Refusal> for Trouble {
     fn from(e: Refusal) -> Self {
-        Trouble::Refused(e)
+        Trouble(e.to_string())
+    }
+}
+
+impl From<VerifyError> for Trouble {
+    fn from(e: VerifyError) -> Self {
+        Trouble(e.to_string())
     }
 }
 
@@ -64,10 +68,11 @@ fn read_back(post: &Post, text: &[u8], steps: &[Step]) -> Result<Deviation, Trou
     let mut adapter = Adapter::new(post, options().rewrite);
     for step in steps {
         adapter.step(step, &mut |s: &Step| {
-            witness.step(s).map(|_| ()).map_err(Trouble::Differs)
+            witness.step(s)?;
+            Ok::<(), Trouble>(())
         })?;
     }
-    witness.finish().map_err(Trouble::Differs)
+    Ok(witness.finish()?)
 }
 
 /// How far off a written place may be, mm.

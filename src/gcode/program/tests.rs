@@ -81,8 +81,8 @@ fn comments_are_kept_when_asked_for() {
 #[test]
 fn an_endless_program_is_seen_as_such_or_stopped_by_the_limit() {
     for (text, dialect) in [
-        ("N1 G0 X1\nX2\nGOTO 1", Dialect::Fanuc),
-        ("G0 X1 F100\nM99", Dialect::Haas),
+        ("N1 G0 X1.\nX2.\nGOTO 1", Dialect::Fanuc),
+        ("G0 X1. F100.\nM99", Dialect::Haas),
         ("G0 X1\nM99", Dialect::LinuxCnc),
         ("DO1\nDO2\nEND2\nEND1", Dialect::Fanuc),
         (
@@ -105,7 +105,7 @@ fn an_endless_program_is_seen_as_such_or_stopped_by_the_limit() {
         Complaint::Flow(FlowComplaint::TooLong { lines })
     );
     // A long straight program is not one that goes on and on.
-    let long = "G0 X1\n".repeat(1000);
+    let long = "G0 X1.\n".repeat(1000);
     assert_eq!(over(&long, Dialect::Fanuc, 0).read_all(&mut vec![]), []);
 }
 
@@ -114,13 +114,13 @@ fn a_long_loop_that_ends_is_carried_out() {
     let text = "#1=0\nWHILE [#1 LT 5000] DO1\n#1=#1+1\nEND1\nG0 X#1\nM30";
     let program = interpret(text, Dialect::Fanuc).unwrap();
     assert_eq!(program.end_state.position.x, 5000.0);
-    let text = "G91\nM98 P9 L5000\nM30\nO9\nG0 X1\nM99";
+    let text = "G91\nM98 P9 L5000\nM30\nO9\nG0 X1.\nM99";
     assert_eq!(interpret(text, Dialect::Haas).unwrap().events.len(), 5001);
 }
 
 #[test]
 fn a_refused_call_changes_nothing() {
-    for text in ["G0 X5 M98 P7", "G0 X5 M99 P7", "G0 X5 M98 P1 L0"] {
+    for text in ["G0 X5. M98 P7", "G0 X5. M99 P7", "G0 X5. M98 P1 L0"] {
         let mut program = over(text, Dialect::Fanuc, 10);
         assert_eq!(program.read_all(&mut vec![]).len(), 1, "{text}");
         assert_eq!(program.state(), &State::new(Dialect::Fanuc), "{text}");
@@ -146,7 +146,7 @@ fn the_words_beside_a_call_come_before_it() {
 
 #[test]
 fn skipped_lines_are_skipped_with_their_calls() {
-    let text = "/M98 P7\n/2 GOTO 5\n/ #1=#2\nG0 X1";
+    let text = "/M98 P7\n/2 GOTO 5\n/ #1=#2\nG0 X1.";
     let mut state = State::new(Dialect::Fanuc);
     state.block_delete = true;
     let from = Cursor::new(text.as_bytes());
@@ -166,8 +166,8 @@ fn a_line_without_end_is_refused_and_the_next_one_read() {
         Dialect::Fanuc,
         Dialect::Marlin,
     ] {
-        let mut text = "G0 X1 ".repeat(2_000_000);
-        text.push_str("\nG0 X2\n");
+        let mut text = "G0 X1. ".repeat(2_000_000);
+        text.push_str("\nG0 X2.\n");
         assert!(text.len() > 10_000_000);
         let from = BufReader::new(Cursor::new(text.as_bytes()));
         let mut program = Interpreter::from_state(from, State::new(dialect), reading(0)).unwrap();
