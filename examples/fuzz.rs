@@ -28,7 +28,7 @@ use std::time::{Duration, Instant};
 
 #[derive(Parser)]
 struct Args {
-    /// What to fuzz: stl, obj, gcode, toml
+    /// What to fuzz: stl, obj, gcode, cl, toml
     target: String,
     /// How long
     #[arg(long, default_value_t = 10.0)]

@@ -3,10 +3,10 @@
 //! Read the folders from top to bottom and you have read the pipeline:
 //!
 //! ```text
-//! part -> reach -> morse -> field -> feature -> toolpath -> post -> text -> gcode -> simulate
-//!  mesh    c, p     critical   phi     regions    moves     dialect         events    verdict
-//!                   points                                          |
-//!                                                                   +-> link =bytes= controller
+//! part -> reach -> morse -> field -> feature -> toolpath -> cldata -> post -> text -> gcode -> simulate
+//!  mesh    c, p     critical   phi     regions    moves      steps    dialect         events    verdict
+//!                   points                                    | |                       |
+//!                                              APT CL file <--+ +--- translate <--------+-> link =bytes= controller
 //! ```
 //!
 //! Two halves meet at *text*: nothing right of `text` can see what the left half intended, so the dry run judges what the
@@ -18,13 +18,14 @@
 //! what stands to its left in its own row:
 //!
 //! ```text
-//! part   reach   morse   field   feature   toolpath   post        shape in, text out
+//! part   reach   morse   field   feature   toolpath   cldata   post   shape in, text out
 //! - - - - - - - - - -  program text  - - - - - - - - - -          the only bridge
 //! gcode   kinematics   simulate                                   text in, motion out (simulate also reads part and reach:
 //!                                                                 what should be left standing)
 //! gcode   kinematics   wire   link                                the host side of the cable
 //! gcode   kinematics   wire   controller                          the far side; link and controller never meet
-//! toolpath   gcode   verify                                       the witness
+//! toolpath   cldata   post   gcode   verify                       the witness
+//! cldata   gcode   translate                                      a program of one dialect as steps for any other
 //! toolpath   kinematics   weigh                                   what a toolpath takes, before there is text
 //! ```
 //!

@@ -114,6 +114,9 @@ impl<R: BufRead + Seek> Steps<R> {
         for c in self.said.take_comments() {
             self.push(c.line, Step::Comment(c.text));
         }
+        if let Event::ToolChange { tool, .. } = event {
+            self.tool = tool;
+        }
         // The end puts modes back that no step hangs on any more.
         if !matches!(event, Event::End { .. }) {
             self.modes(line)?;
@@ -147,7 +150,6 @@ impl<R: BufRead + Seek> Steps<R> {
                 self.push(line, Step::Coolant(coolant));
             }
             Event::ToolChange { tool, .. } => {
-                self.tool = tool;
                 // The machine goes to its own place for that.
                 self.forget([true; 3]);
                 self.push(line, Step::Tool { number: tool });
@@ -189,8 +191,13 @@ impl<R: BufRead + Seek> Steps<R> {
         if let Some(what) = what {
             return Err(TranslateError::Offset { line, what });
         }
+        // Sinumerik's D counts the edges of a tool: the first is the tool's own length.
+        let own = match state.dialect {
+            Dialect::Siemens => 1,
+            _ => self.tool,
+        };
         if let Some(length) = state.tool_length
-            && length != self.tool
+            && length != own
             && length != 0
         {
             let tool = self.tool;
@@ -224,8 +231,8 @@ impl<R: BufRead + Seek> Steps<R> {
         let named: [bool; 3] = std::array::from_fn(|k| m.to[k].is_finite() && m.to[k] != m.from[k]);
         match m.kind {
             MotionKind::Rapid => {
-                for k in 0..3 {
-                    self.known[k] |= named[k];
+                for (known, named) in self.known.iter_mut().zip(named) {
+                    *known |= named;
                 }
                 if incremental && !self.known.iter().all(|k| *k) {
                     return self.unknown(line);
@@ -237,8 +244,8 @@ impl<R: BufRead + Seek> Steps<R> {
                 Ok(())
             }
             MotionKind::Feed => {
-                for k in 0..3 {
-                    self.known[k] |= named[k] && m.from[k].is_finite();
+                for (k, named) in named.into_iter().enumerate() {
+                    self.known[k] |= named && m.from[k].is_finite();
                 }
                 let told =
                     (0..3).all(|k| self.known[k] && m.from[k].is_finite() && m.to[k].is_finite());

@@ -224,7 +224,8 @@ fn the_schema_has_the_keys_and_families_of_the_program() {
         .keys()
         .cloned()
         .collect();
-    (known.sort(), keys.sort());
+    known.sort();
+    keys.sort();
     assert_eq!(keys, known);
     assert_eq!(
         strings(&schema["properties"]["controller"]["enum"]),

@@ -21,6 +21,7 @@ mod walls;
 mod cl;
 mod programs;
 mod round_trip;
+mod translations;
 
 mod fuzz;
 mod hostile;

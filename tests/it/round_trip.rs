@@ -45,7 +45,6 @@ fn write(post: &Post, steps: &[Step]) -> (Vec<u8>, Vec<Step>, usize) {
 }
 
 /// What went wrong, for the reader of a failed test.
-#[derive(Debug)]
 struct Trouble(String);
 
 impl From<Refusal> for Trouble {
@@ -252,9 +251,10 @@ proptest! {
             let said = match read_back(&post, &program, &kept) {
                 // Half a unit of the last decimal an axis; a whole one where a helix ends by its angle.
                 Ok(d) if d.position.0 <= furthest(&post) => continue,
-                said => said,
+                Ok(d) => format!("{d:?}"),
+                Err(Trouble(e)) => e,
             };
-            wrong += &format!("{name}: {said:?}\n{}\n", String::from_utf8_lossy(&program));
+            wrong += &format!("{name}: {said}\n{}\n", String::from_utf8_lossy(&program));
         }
         prop_assert!(wrong.is_empty(), "{wrong}");
     }
