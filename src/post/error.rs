@@ -27,6 +27,16 @@ pub struct PostError {
     pub refusal: Refusal,
 }
 
+impl Refusal {
+    /// True for what a path of straight lines would not meet.
+    pub fn is_of_arcs(&self) -> bool {
+        matches!(
+            self,
+            Refusal::Arc { .. } | Refusal::ArcRounding { .. } | Refusal::TooManyLines { .. }
+        )
+    }
+}
+
 impl std::fmt::Display for PostError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "post {}: ", self.post)?;

@@ -414,13 +414,15 @@ impl<R: BufRead + Seek> Witness<R> {
                     && off.norm() < 4.0 * unit
             }
             (Some(arc), Some(bow)) => same_arc(arc, bow, unit),
-            // An arc shorter than the last decimal tells is a straight line.
+            // An arc shorter, or flatter, than the last decimal tells is a straight line.
             (None, Some(bow)) => {
                 let [a, b, _] = bow.plane.axes();
-                small
-                    && [a, b]
-                        .into_iter()
-                        .all(|k| close(m.from[k], meant.to[k], unit))
+                let still = [a, b]
+                    .into_iter()
+                    .all(|k| close(m.from[k], meant.to[k], unit));
+                let radius = (meant.to[a] - bow.center[a]).hypot(meant.to[b] - bow.center[b]);
+                let flat = radius * (1.0 - (0.5 * bow.sweep).cos()) < 0.51 * unit;
+                small && (still || flat)
             }
             (Some(_), None) => false,
         };

@@ -163,7 +163,7 @@ fn what_cannot_be_said_is_refused_and_leaves_nothing() {
         (
             "G0 X0 Y0 Z5\nG91 G1 Z-1\n",
             "fanuc",
-            "in.nc:2:4 this move has no feed rate",
+            "in.nc:2:5 this move has no feed rate",
         ),
         (
             "G91 G0 Z5\nM2\n",
@@ -183,7 +183,7 @@ fn what_cannot_be_said_is_refused_and_leaves_nothing() {
         (
             "G0 X0 Y0 Z5\nG18 G2 X5 Z5 R9 F100\nM2\n",
             "heidenhain",
-            "--arcs-to-lines",
+            "let it be written as lines",
         ),
     ] {
         std::fs::write(dir.join("in.nc"), program).unwrap();
@@ -250,7 +250,9 @@ fn a_cl_file_becomes_a_program_and_the_notes_are_said() {
     assert!(o.status.success(), "{}", text(&o.stderr));
     let said = text(&o.stdout);
     assert!(
-        said.contains("note       line 5: no UNITS before this line: lengths are taken as mm"),
+        said.contains(
+            "note       line 5: no UNITS before this line: lengths are taken as millimetres"
+        ),
         "{said}"
     );
     assert!(said.contains("read back"), "{said}");

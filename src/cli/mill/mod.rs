@@ -80,9 +80,17 @@ pub fn run(a: &MillArgs) -> Result<ExitCode, Failure> {
     let mut progress = progress.into_inner();
 
     progress.stage("proof", "proving every segment");
+    let job = job(a, &s, &placement, &ground, &planned);
     if a.arcs && s.post.arcs.has(crate::geom::Plane::Xy) {
         let how = ArcOptions::new(planned.fitting, s.machine.arc_tolerance.0);
-        planned.toolpath = arcs(&planned.toolpath, &ground.cutter, &how);
+        let bent = arcs(&planned.toolpath, &ground.cutter, &how);
+        match write(&bent, &job, &s.post) {
+            // Few decimals, of lengths or of angles, and one of the arcs cannot be said: then none is, and the path is as good.
+            Err(e) if e.refusal.is_of_arcs() => {
+                say(&format!("morsemill: straight lines instead of arcs: {e}"));
+            }
+            _ => planned.toolpath = bent,
+        }
     }
     let fit = proof(
         &ground.cutter,
@@ -92,7 +100,6 @@ pub fn run(a: &MillArgs) -> Result<ExitCode, Failure> {
     );
 
     progress.stage("post", "writing the program");
-    let job = job(a, &s, &placement, &ground, &planned);
     let posted = write(&planned.toolpath, &job, &s.post).map_err(Failure::failed)?;
     progress.stage("verify", "reading the program back");
     let deviation = verify(&posted, &planned.toolpath, &job, &s.post).map_err(Failure::failed)?;

@@ -359,7 +359,7 @@ fn sections_out_of_order_or_beyond_the_end_do_no_harm() {
 }
 
 #[test]
-fn a_million_moves_in_a_second() {
+fn a_million_moves() {
     let mut p = Toolpath {
         moves: vec![go(MoveKind::Rapid, 0.0, 0.0, 5.0)],
         sections: vec![],
@@ -374,13 +374,13 @@ fn a_million_moves_in_a_second() {
             -t.fract(),
         ));
     }
-    let start = std::time::Instant::now();
     let posted = write(&p, &job(), &Post::load("grbl").unwrap()).unwrap();
-    let took = start.elapsed();
-    eprintln!("{} bytes in {took:?}", posted.text.len());
-    // Generous, since the test machine is shared; it takes about a fifth of a second.
-    let most = if cfg!(debug_assertions) { 30.0 } else { 3.0 };
-    assert!(took.as_secs_f64() < most, "{took:?}");
+    assert_eq!(posted.line_of_move.len(), 1_000_001);
+    let last = posted.line_of_move.last().copied().unwrap_or_default();
+    assert!(
+        posted.text.lines().count() > last && last > 999_000,
+        "{last}"
+    );
 }
 
 /// From (10, 0) a quarter round the origin to (0, 10) and half a millimetre up, then on to (-10, 0), and back the long way.

@@ -2,6 +2,7 @@
 
 use super::page::Kind;
 use super::scribe::{Circle, Scribe};
+use crate::geom::Plane;
 use crate::post::definition::Numbers;
 use crate::post::error::Refusal;
 use crate::post::number;
@@ -53,6 +54,14 @@ impl<W: Write> Scribe<'_, W> {
             (_, [Some(x), Some(y), _]) => Some([x as f64, y as f64]),
             _ => None,
         };
+        // With so large a radius a rounding of the angle is far; a line leaves a short piece of it by less than the last decimal tells.
+        if let (Some([x, y]), true) = (start, climb != 0) {
+            let [u, v] = circle.center.map(|c| c as f64);
+            let bulge = (x - u).hypot(y - v) * (1.0 - (0.5 * circle.sweep).cos());
+            if circle.sweep.abs() < std::f64::consts::PI && bulge < END {
+                return self.line_block(to, Some(feed));
+            }
+        }
         let (pole, sweep) = match (start, to) {
             (Some(start), [Some(u), Some(v), _]) if climb != 0 => {
                 polar(circle, start, [u as f64, v as f64])
@@ -97,9 +106,12 @@ impl<W: Write> Scribe<'_, W> {
                 _ => 0.0,
             };
             if off(0).max(off(1)) > END {
-                return Err(Refusal::Cannot {
-                    what: "helix that comes so close to its start: said by its angle, it would end beside its end",
-                    remedy: "let it become lines, or make it of two",
+                let unit = self.post.units.mm() * 0.1_f64.powi(i32::from(self.decimals));
+                return Err(Refusal::ArcRounding {
+                    plane: Plane::Xy,
+                    center: circle.center.map(|c| c as f64 * unit),
+                    decimals: self.decimals,
+                    problem: "a helix said by its angle would end beside its end",
                 });
             }
             self.page.word("CP");
