@@ -199,6 +199,12 @@ pub fn run(a: &MillArgs) -> Result<ExitCode, Failure> {
         show::feature_table(w, &features)?;
         show::strategy_table(w, &planned)?;
         show::verdict(w, &verdict, a.tool.scallop)?;
+        let um = deviation.position.0 * 1e3;
+        writeln!(
+            w,
+            "read back  {} moves, furthest off {um:.3} um; feeds, spindle, tool and order as meant",
+            deviation.moves
+        )?;
         show::rest(w, &left, a.tool.scallop)?;
         if dangerous {
             writeln!(w, "no program was written: it would not be safe to run")
