@@ -22,6 +22,8 @@ use super::parameter::{Parameter, Parameters};
 use super::state::State;
 use super::word::MAX_COLUMN;
 
+/// Letters of the longest keyword, endrepeat.
+const LONGEST_KEYWORD: usize = 9;
 /// Deepest brackets; Fanuc's own limit is five (alarm 118).
 const DEEPEST: u32 = 32;
 const FANUC_DEEPEST: u32 = 5;
@@ -122,11 +124,15 @@ impl<'a> Evaluator<'a> {
         String::from_utf8_lossy(front).chars().next()
     }
 
-    /// The letters that come next, upper case.
+    /// The letters that come next, upper case: as many as the longest keyword has, and one, so that a line of letters is read in one go.
     pub fn letters(&mut self) -> Box<str> {
         self.peek();
         let rest = self.line.get(self.at..).unwrap_or_default();
-        let count = rest.iter().take_while(|b| b.is_ascii_alphabetic()).count();
+        let count = rest
+            .iter()
+            .take(LONGEST_KEYWORD + 1)
+            .take_while(|b| b.is_ascii_alphabetic())
+            .count();
         let letters = rest.get(..count).unwrap_or_default();
         String::from_utf8_lossy(letters)
             .to_ascii_uppercase()

@@ -30,7 +30,7 @@ pub struct Program {
 pub const MAX_ERRORS: usize = 20;
 
 /// Lines read again that a program in memory may have: its events are all kept.
-const LINES_AGAIN: u64 = 10_000_000;
+const LINES_AGAIN: u64 = 1_000_000;
 
 /// Reads one line (without its line end) and carries it out: `state` becomes what the machine remembers then, and what it is told
 /// to do is appended to `events`. `line` counts from 1 and goes into events and errors.
