@@ -86,7 +86,7 @@ impl<W: Write> Scribe<'_, W> {
             let turn = number::round(sweep.to_degrees(), self.post.decimals.angle);
             let turn = turn.ok_or(Refusal::Cannot {
                 what: "helix of so many turns",
-                remedy: "let it be split into arcs",
+                remedy: "let it be split into arcs (--split-circles)",
             })?;
             let signed = Numbers {
                 plus: true,

@@ -290,6 +290,7 @@ impl<'a, W: Write> Scribe<'a, W> {
             Coolant::Off => return self.each(&lines.off, Kind::Words),
             Coolant::Flood => &lines.flood,
             Coolant::Mist => &lines.mist,
+            Coolant::Both => &lines.both,
         };
         match lines.is_empty() {
             true => Err(Refusal::NoCoolant(kind)),
@@ -521,8 +522,8 @@ impl<'a, W: Write> Scribe<'a, W> {
                 what,
                 takes,
                 remedy: match arcs.fit(&shape) {
-                    Fit::TurnsTooFar => "let it be split into arcs",
-                    _ => "let it be written as lines, and say within what tolerance",
+                    Fit::TurnsTooFar => "let it be split into arcs (--split-circles)",
+                    _ => "let it be written as lines within a tolerance (--arcs-to-lines 0.005)",
                 },
             });
         }
