@@ -3,7 +3,7 @@
 use super::Failure;
 use super::output::{say, to_stdout};
 use crate::machine::DataError;
-use crate::machine::{data, search};
+use crate::machine::{data, proofread, search};
 use crate::post::{BUILT_IN, Post, specimen_text};
 use clap::Subcommand;
 use std::io::{self, Write};
@@ -194,31 +194,12 @@ fn as_path_of(shown: &str) -> String {
     as_path(Path::new(shown))
 }
 
-/// All that is wrong with a post, one complaint a line. The reader stops at the first unknown key: it is taken for the nearest known
-/// one, or its line is taken out, and the rest is read again.
+/// All that is wrong with a post, one complaint a line.
 fn complaints(name: &str, file: &str, text: &str) -> String {
-    let mut lines: Vec<String> = text.split('\n').map(str::to_string).collect();
-    let mut found: Vec<String> = Vec::new();
-    for _ in 0..50 {
-        let Err(e) = Post::named(name, file, &lines.join("\n")) else {
-            break;
-        };
-        // After a line was changed, text that is no TOML any more, or lacks the key that was meant, is our doing.
-        let ours = matches!(e, DataError::Syntax { .. } | DataError::Missing { .. });
-        if found.is_empty() || !ours {
-            found.push(e.to_string());
-        }
-        let DataError::UnknownKey {
-            at, key, nearest, ..
-        } = e
-        else {
-            break;
-        };
-        let line = at.line.checked_sub(1).and_then(|l| lines.get_mut(l));
-        let Some(line) = line else { break };
-        *line = nearest.map_or_else(String::new, |n| line.replacen(&key, &n, 1));
-    }
-    found.join("\n")
+    let good: Vec<&str> = BUILT_IN.iter().map(|(_, text)| *text).collect();
+    let all = proofread::complaints(text, &good, |t| Post::named(name, file, t).map(drop));
+    let lines: Vec<String> = all.iter().map(ToString::to_string).collect();
+    lines.join("\n")
 }
 
 /// Writes a copy of a post under a title that marks it as the user's.

@@ -8,6 +8,7 @@ mod built_in;
 pub mod data;
 pub mod family;
 mod file;
+pub mod proofread;
 pub mod search;
 
 pub use built_in::BUILT_IN;

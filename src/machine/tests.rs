@@ -160,7 +160,7 @@ fn all_complaints_come_at_once() {
 #[test]
 fn an_unknown_name_lists_the_known_ones() {
     let e = Machine::load("longmil").unwrap_err().to_string();
-    assert!(e.starts_with("machine \"longmil\" is not known (did you mean \"longmill-30x30\"?); there are altmill-4x4, "), "{e}");
+    assert!(e.starts_with("machine \"longmil\" is not known (did you mean \"longmill-30x30\"?); there are acroloc-s10-centroid, altmill-4x4, "), "{e}");
     assert!(
         e.ends_with("a file of your own is named by its path, e.g. ./longmil.toml"),
         "{e}"
