@@ -360,13 +360,25 @@ mod tests {
         // Good figures that make no program: lines too short for the post's own words.
         let e = judge(&[
             ("longest = 70", "longest = 40"),
-            (
-                "G17 G90 G94 G54",
-                "G17 G90 G94 G54 G40 G49 G61 G80 G91.1 M9 M5",
-            ),
+            ("G17 G90 G94 G54", "G17 G90 G94 G54 G40 G49 G61 G80 M9 M5"),
         ]);
         assert!(
             e.contains("no program could be written with it: post mine: "),
+            "{e}"
+        );
+        let e = judge(&[("M5\", \"M9\", \"M30", "M9\", \"M30"), ("charset = ", "#")]);
+        assert_eq!(e.lines().count(), 2, "{e}");
+        let e = judge(&[(
+            "G54\"]",
+            "G54 G40 G49 G61 G80 G91.1 M9 M5 G17 G40 G49 G61 G80 G91.1\"]",
+        )]);
+        assert!(
+            e.ends_with("characters, and [lines] longest is 70: split it into two lines"),
+            "{e}"
+        );
+        let e = judge(&[("M3 S{speed}\"]", "M3 S{speed}\", \"M30\"]")]);
+        assert!(
+            e.contains("cw = \"M30\": M2 and M30 belong to the last lines"),
             "{e}"
         );
         let (code, e) = words(check(&dir.path().join("none.toml")).unwrap_err());

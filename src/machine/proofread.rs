@@ -44,7 +44,7 @@ pub fn complaints(
         };
         let each = match e {
             DataError::Several(all) => all,
-            one => vec![one],
+            one => vec![astray(one, good)],
         };
         found.extend(each.into_iter().filter_map(|e| draft.told(e)));
         if !repaired {
@@ -68,7 +68,10 @@ impl Draft {
         self.touched.push(index);
         if let Some(n) = nearest.filter(|_| !again && line.contains(key)) {
             let renamed = line.replacen(key, n, 1);
-            let was = self.lines.get_mut(index).map(|l| std::mem::replace(l, renamed));
+            let was = self
+                .lines
+                .get_mut(index)
+                .map(|l| std::mem::replace(l, renamed));
             if self.lines.join("\n").parse::<toml::Table>().is_ok() {
                 return true;
             }
@@ -132,9 +135,33 @@ impl Draft {
             // From the top of the file, where the lent ones stand.
             return Some(e);
         }
-        let syntax = matches!(e, DataError::Syntax { .. });
+        let syntax = matches!(&e, DataError::Syntax { message, .. } if !message.contains("stands in the wrong place"));
         let spoilt = syntax && !(self.lent.is_empty() && self.touched.is_empty());
         (!ours && !spoilt).then_some(e)
+    }
+}
+
+/// An unknown key that is one of another table: said so.
+fn astray(e: DataError, good: &[&str]) -> DataError {
+    let DataError::UnknownKey { at, key, .. } = &e else {
+        return e;
+    };
+    let has = |text: &&str| {
+        let file: toml::Table = text.parse().ok()?;
+        let mut tables = file.iter().filter_map(|(n, v)| Some((n, v.as_table()?)));
+        match file.contains_key(key) {
+            true => Some("the top of the file, before the first header".to_string()),
+            false => tables
+                .find(|(_, t)| t.contains_key(key))
+                .map(|(name, _)| format!("[{name}]")),
+        }
+    };
+    match good.iter().find_map(has) {
+        Some(table) => DataError::Syntax {
+            at: at.clone(),
+            message: format!("\"{key}\" stands in the wrong place: it belongs to {table}"),
+        },
+        None => e,
     }
 }
 
@@ -170,10 +197,12 @@ mod tests {
 
     fn of_post(text: &str) -> Vec<String> {
         let good: Vec<&str> = post::BUILT_IN.iter().map(|(_, t)| *t).collect();
-        complaints(text, &good, |t| Post::named("mine", "mine.toml", t).map(drop))
-            .iter()
-            .map(ToString::to_string)
-            .collect()
+        complaints(text, &good, |t| {
+            Post::named("mine", "mine.toml", t).map(drop)
+        })
+        .iter()
+        .map(ToString::to_string)
+        .collect()
     }
 
     fn grbl() -> &'static str {
@@ -189,10 +218,21 @@ mod tests {
 
     #[test]
     fn every_missing_key_is_told_at_its_own_table() {
-        let line = |text: &str, start: &str| text.lines().position(|l| l.starts_with(start)).unwrap() + 1;
+        let line =
+            |text: &str, start: &str| text.lines().position(|l| l.starts_with(start)).unwrap() + 1;
         let text: String = grbl()
             .lines()
-            .filter(|l| !["units =", "off = [\"M5\"]", "waits", "charset", "end = [\"M5\""].iter().any(|k| l.starts_with(k)))
+            .filter(|l| {
+                ![
+                    "units =",
+                    "off = [\"M5\"]",
+                    "waits",
+                    "charset",
+                    "end = [\"M5\"",
+                ]
+                .iter()
+                .any(|k| l.starts_with(k))
+            })
             .map(|l| format!("{l}\n"))
             .collect();
         let told = of_post(&text);
@@ -205,11 +245,15 @@ mod tests {
         ] {
             let at = format!("mine.toml:{}:", line(&text, header));
             assert!(
-                told.iter().any(|t| t.starts_with(&at) && t.contains(&format!("\"{key}\" is missing"))),
+                told.iter()
+                    .any(|t| t.starts_with(&at) && t.contains(&format!("\"{key}\" is missing"))),
                 "{key}: {told:#?}"
             );
         }
-        assert!(told.iter().any(|t| t.contains("\"units\" is missing")), "{told:#?}");
+        assert!(
+            told.iter().any(|t| t.contains("\"units\" is missing")),
+            "{told:#?}"
+        );
     }
 
     #[test]
@@ -222,11 +266,32 @@ mod tests {
         let told = of_post(&text);
         let row = |part: &str| text.lines().position(|l| l.contains(part)).unwrap() + 1;
         assert_eq!(told.len(), 3, "{told:#?}");
-        let unknown = format!("mine.toml:{}:1: unknown key \"longset\" (did you mean \"longest\"?)", row("longset"));
+        let unknown = format!(
+            "mine.toml:{}:1: unknown key \"longset\" (did you mean \"longest\"?)",
+            row("longset")
+        );
         assert!(told.iter().any(|t| t.starts_with(&unknown)), "{told:#?}");
-        assert!(told.iter().any(|t| t.contains("\"spindle\" is missing")), "{told:#?}");
+        assert!(
+            told.iter().any(|t| t.contains("\"spindle\" is missing")),
+            "{told:#?}"
+        );
         let value = format!("mine.toml:{}:6: mm = 9: must be", row("mm = 9"));
         assert!(told.iter().any(|t| t.starts_with(&value)), "{told:#?}");
+    }
+
+    #[test]
+    fn a_key_in_the_wrong_table_is_sent_to_its_own() {
+        let told = of_post(&grbl().replace("[lines]\n", "[lines]\nwaits = true\n"));
+        assert_eq!(told.len(), 1, "{told:#?}");
+        assert!(
+            told[0].ends_with(": \"waits\" stands in the wrong place: it belongs to [spindle]"),
+            "{told:#?}"
+        );
+        let told = of_post(&grbl().replace("[lines]\n", "[lines]\npause = [\"M0\"]\n"));
+        assert!(
+            told[0].ends_with("it belongs to the top of the file, before the first header"),
+            "{told:#?}"
+        );
     }
 
     #[test]
@@ -236,8 +301,16 @@ mod tests {
             .replace("[rapid]\n", "[rapid]\nmachin = [\"G53 G0 {axes}\"]\n");
         let told = of_post(&text);
         assert_eq!(told.len(), 2, "{told:#?}");
-        assert!(told[0].contains("unknown key \"xxxxxxxxxx\"") || told[1].contains("unknown key \"xxxxxxxxxx\""), "{told:#?}");
-        assert!(told.iter().any(|t| t.contains("unknown key \"machin\" (did you mean \"machine\"?)")), "{told:#?}");
+        assert!(
+            told[0].contains("unknown key \"xxxxxxxxxx\"")
+                || told[1].contains("unknown key \"xxxxxxxxxx\""),
+            "{told:#?}"
+        );
+        assert!(
+            told.iter()
+                .any(|t| t.contains("unknown key \"machin\" (did you mean \"machine\"?)")),
+            "{told:#?}"
+        );
     }
 
     #[test]

@@ -90,7 +90,8 @@ fn missing_keys_and_wrong_kinds_are_refused() {
     assert!(e.starts_with("machines/test.toml:4:"), "{e}");
     let e = refusal("[300, 180.5, 45]", "[300, \"wide\", 45]");
     assert!(
-        e.starts_with("machines/test.toml:4:19: ") && e.contains("expected a number"),
+        e.starts_with("machines/test.toml:4:19: ")
+            && e.ends_with("travel_mm: \"wide\" is not a number: write it without quotes"),
         "{e}"
     );
     let e = refusal("post = \"grbl\"", "post = ");

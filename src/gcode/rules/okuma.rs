@@ -50,7 +50,9 @@ const OWN: &[Entry] = &[
     ),
     (
         4300,
-        Refused("here it cancels a 3D offset (elsewhere it is a tool length); tool length here is G56 H"),
+        Refused(
+            "here it cancels a 3D offset (elsewhere it is a tool length); tool length here is G56 H",
+        ),
     ),
     (
         4400,

@@ -120,7 +120,11 @@ fn what_a_controller_cannot_do_is_refused_by_name_and_step() {
     };
     for (name, step, what) in [
         ("grbl", Step::Coolant(Coolant::Mist), "no words for mist"),
-        ("marlin", Step::Coolant(Coolant::Flood), "no words for flood"),
+        (
+            "marlin",
+            Step::Coolant(Coolant::Flood),
+            "no words for flood",
+        ),
         ("marlin", machine.clone(), "no rapid in machine coordinates"),
         ("carbide", machine, "no rapid in machine coordinates"),
         (
@@ -268,7 +272,10 @@ fn arcs_that_contradict_themselves_are_refused() {
             bow(Point::new(10.0, 0.0, 5.0), Plane::Xy, 2.0 * TAU),
         ],
     );
-    assert!(e.ends_with("let it be split into arcs (--split-circles)"), "{e}");
+    assert!(
+        e.ends_with("let it be split into arcs (--split-circles)"),
+        "{e}"
+    );
     let mut post = Post::load("grbl").unwrap();
     post.arcs = Arcs::NONE;
     let told = Options {
