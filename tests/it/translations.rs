@@ -173,7 +173,7 @@ fn what_cannot_be_said_is_refused_and_leaves_nothing() {
         (
             "G0 X0 Y0 Z5\nM8\nM2\n",
             "marlin",
-            "in.nc:2: post marlin: step 2: this controller has no Flood coolant",
+            "in.nc:2: post marlin: step 2: this controller has no words for flood",
         ),
         (
             "G0 X0 Y0 Z5\nG92 X5\nM2\n",
