@@ -370,7 +370,7 @@ mod tests {
         assert_eq!(e.lines().count(), 2, "{e}");
         let e = judge(&[(
             "G54\"]",
-            "G54 G40 G49 G61 G80 G91.1 M9 M5 G17 G40 G49 G61 G80 G91.1\"]",
+            "G54 G40 G49 G61 G80 G91.1 M9 M5 G17 G40 G49 G61 G80 G91.1 G94\"]",
         )]);
         assert!(
             e.ends_with("characters, and [lines] longest is 70: split it into two lines"),
