@@ -1,7 +1,8 @@
 //! Motions in Heidenhain's conversational language: `L X+10 Y+20 R0 FMAX`, `CC` and `C`, helices as `CP`.
 
+use super::circle::Circle;
 use super::page::Kind;
-use super::scribe::{Circle, Scribe};
+use super::scribe::Scribe;
 use crate::geom::Plane;
 use crate::post::definition::Numbers;
 use crate::post::error::Refusal;
