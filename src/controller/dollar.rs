@@ -58,11 +58,12 @@ impl Controller {
             Some(b'H') => self.home(rest),
             Some(b'S') if rest == "SLP" => {
                 self.mode = Mode::Sleep;
-                self.spindle = 0;
+                (self.spindle, self.flood) = (0, false);
+                self.overrides_in = 0;
                 self.steps.push_back(Step::Ok);
                 self.steps.push_back(Step::Say("[MSG:Sleeping]"));
                 // The answer is queued here, so the caller's would be one too many.
-                self.steps.push_back(Step::NoMoreOk);
+                self.steps.push_back(Step::Asleep);
                 Ok(())
             }
             Some(b'I') => {
@@ -124,6 +125,7 @@ impl Controller {
             to,
             speed: Speed::Fixed(motion.feed),
         });
+        self.steps.push_back(Step::Start);
         Ok(())
     }
 
@@ -132,6 +134,10 @@ impl Controller {
             return Err(5);
         }
         if rest != "H" {
+            if self.build.quirks.home_axis_wedge && rest.len() == 2 {
+                // The state is set before the axis is looked at, and stays.
+                self.mode = Mode::Home;
+            }
             return Err(3);
         }
         self.begin_homing();
@@ -150,7 +156,11 @@ impl Controller {
             return Err(8);
         }
         let (number, text) = rest.get(1..).and_then(|r| r.split_once('=')).ok_or(3u16)?;
-        let slot: usize = number.parse().map_err(|_| 2u16)?;
+        let (slot, behind) = self::number(number).ok_or(2u16)?;
+        if !behind.is_empty() {
+            return Err(3);
+        }
+        let slot = slot as usize;
         // It is carried out first, and kept only if it went well.
         self.carry_out(text)?;
         if let Some(place) = self.memory.startup.get_mut(slot) {

@@ -94,6 +94,8 @@ impl Default for Build {
 
 /// Moments closer than this are the same, s: far below anything the firmware can tell apart, far above f64 noise in hours of time.
 const SAME_MOMENT: f64 = 1e-9;
+/// Seconds from the decision to start to the first step, on a machine that takes time to think. Fitted to recordings.
+const START: f64 = 0.001;
 /// Seconds the firmware is deaf after an alarm.
 const DEAF: f64 = 0.5;
 
@@ -115,8 +117,11 @@ enum Suspend {
     None,
     Hold,
     Door,
-    /// Door closed, spindle and coolant coming back until this time.
-    DoorResuming(f64),
+    /// Door closed, spindle and coolant coming back one after the other: so many looks at the flags are left of each wait.
+    DoorResuming {
+        spindle: u32,
+        coolant: u32,
+    },
 }
 
 /// Behind the half second of deafness.
@@ -158,8 +163,8 @@ pub struct Controller {
     deaf: Deaf,
     /// ALARM:1 or 2: nothing but a reset helps.
     dead: bool,
-    /// End of the wait that the current step is in (dwell, drain, homing).
-    wait: Option<f64>,
+    /// What is left of the dwell that is under way, looks at the flags.
+    wait: Option<u32>,
     now: f64,
     cable: Cable,
     /// The main loop thinks until then, and does nothing else.
@@ -170,6 +175,8 @@ pub struct Controller {
     spindle: i8,
     rpm: f64,
     spindle_stopped: bool,
+    /// The coolant runs, unless a door stops it.
+    flood: bool,
     /// WCO as reports show it: it lags behind the parser until the motion before has ended.
     offset: [f64; 3],
     probe: Point,
@@ -220,7 +227,8 @@ impl Controller {
         let mut parser = Parser::new(build.profile.dialect());
         memory.recall(&mut parser);
         Controller {
-            motion: Motion::new(&memory.planner_settings(build.blocks), Point::origin()),
+            motion: Motion::new(&memory.planner_settings(build.blocks), Point::origin())
+                .starting_after(if build.baud.is_some() { START } else { 0.0 }),
             build,
             memory,
             parser,
@@ -240,6 +248,7 @@ impl Controller {
             spindle: 0,
             rpm: 0.0,
             spindle_stopped: false,
+            flood: false,
             offset: [0.0; 3],
             probe: Point::origin(),
             probe_hit: false,
@@ -395,8 +404,13 @@ impl Controller {
     /// The main loop is busy for so long, s; on an untimed line thinking takes no time.
     fn think(&mut self, seconds: f64) {
         if self.cable.is_timed() {
-            self.busy_until = self.busy_until.max(self.now) + seconds;
+            self.pause(seconds);
         }
+    }
+
+    /// The main loop does nothing else for so long, s.
+    fn pause(&mut self, seconds: f64) {
+        self.busy_until = self.busy_until.max(self.now) + seconds;
     }
 
     /// What it said since the last call.
@@ -423,16 +437,11 @@ impl Controller {
         };
         // The deaf and the dead do not look at these.
         let awake = self.deaf == Deaf::No && !self.dead;
-        let busy = Some(self.busy_until).filter(|t| *t > self.now + SAME_MOMENT);
+        let busy = Some(self.busy_until).filter(|t| awake && *t > self.now + SAME_MOMENT);
         let switch = self.next_switch().map(|dt| self.now + dt);
         let homing = self.homing.as_ref().and_then(Homing::wakes);
-        let door = match self.suspend {
-            Suspend::DoorResuming(t) if awake => Some(t),
-            _ => None,
-        };
-        let wait = self.wait.filter(|_| awake && self.suspend == Suspend::None);
         let (arrival, left) = (self.cable.next_arrival(), self.cable.quiet_at());
-        [axes, deaf, door, wait, busy, switch, homing, arrival, left]
+        [axes, deaf, busy, switch, homing, arrival, left]
             .into_iter()
             .flatten()
             .map(|t| t.max(self.now))
@@ -446,7 +455,7 @@ impl Controller {
         let working = self.suspend == Suspend::None && !self.steps.is_empty();
         !self.dead && (stopping || working)
             || self.deaf != Deaf::No
-            || matches!(self.suspend, Suspend::DoorResuming(_))
+            || matches!(self.suspend, Suspend::DoorResuming { .. })
     }
 
     /// True while axes move or a queue waits to.
@@ -464,7 +473,10 @@ impl Controller {
 
     /// Machine position in whole steps, as the firmware counts it, mm.
     pub fn position_in_steps(&self) -> Point {
-        self.motion.steps_at(&self.position())
+        match self.homing {
+            Some(_) => self.motion.steps_at(&self.position()),
+            None => self.motion.position_in_steps(),
+        }
     }
 
     /// Machine time from the first motion since power-up to the last standstill (or to now, while moving), s.
@@ -479,12 +491,6 @@ impl Controller {
 
     /// Time without decisions.
     fn pass(&mut self, dt: f64) {
-        if self.suspend != Suspend::None
-            && let Some(t) = &mut self.wait
-        {
-            // A hold stops a dwell's clock.
-            *t += dt;
-        }
         if self.motion.moving() {
             self.first_motion.get_or_insert(self.now);
             self.last_motion = self.now + dt;
@@ -528,6 +534,8 @@ impl Controller {
             self.suspend = Suspend::None;
             self.say(if homing { "ALARM:6" } else { "ALARM:3" });
             self.deaf = Deaf::ThenRestart(self.now + DEAF);
+        } else if self.now < self.busy_until - SAME_MOMENT {
+            self.deaf = Deaf::ThenRestart(self.busy_until);
         } else {
             self.finish_reset();
         }
@@ -538,9 +546,10 @@ impl Controller {
     fn finish_reset(&mut self) {
         self.deaf = Deaf::No;
         // The line that was being carried out lets go of its answer.
-        if self.steps.iter().any(|s| matches!(s, Step::Ok))
-            && (self.mode == Mode::Alarm || self.dead)
-        {
+        if let Some(line) = self.reading.take() {
+            self.dispatch(&line);
+        }
+        if self.build.quirks.stray_ok && self.steps.contains(&Step::Ok) {
             self.ok();
         }
         if self.dead || self.mode == Mode::Sleep {
@@ -549,8 +558,8 @@ impl Controller {
         if self.mode != Mode::Alarm {
             self.mode = Mode::Normal;
         }
-        let here = self.motion.position();
         self.motion.abort();
+        let here = self.motion.position();
         self.motion.set_overrides(Overrides {
             feed: 1.0,
             rapid: 1.0,
@@ -568,6 +577,7 @@ impl Controller {
         self.soft_limit = false;
         self.percent = NO_OVERRIDES;
         (self.spindle, self.rpm, self.spindle_stopped) = (0, 0.0, false);
+        self.flood = false;
         (self.probe, self.probe_hit) = (Point::origin(), false);
         self.restart();
     }

@@ -5,7 +5,7 @@ use crate::gcode::State as Parser;
 use crate::wire::Realtime;
 
 /// How near to a switch counts as on it, steps.
-const ON_IT: f64 = 1e-6;
+const ON_IT: f64 = 2e-3;
 
 impl Controller {
     /// Limit pins as wired, before `$5`.
@@ -109,8 +109,7 @@ impl Controller {
         self.motion.abort();
         self.probing = None;
         self.suspend = Suspend::None;
-        self.spindle = 0;
-        self.parser.flood = false;
+        (self.spindle, self.flood) = (0, false);
         self.alarm(1);
     }
 
