@@ -222,6 +222,36 @@ impl Controller {
     }
 }
 
+/// A figure in the firmware's single precision: eight digits, then tenths and hundredths multiplied in.
+fn read_single(figure: &str) -> Option<f64> {
+    let (mut whole, mut digits, mut exponent, mut dot) = (0u32, 0, 0i32, false);
+    for byte in figure.bytes() {
+        match byte {
+            b'.' => dot = true,
+            b'0'..=b'9' if digits < 8 => {
+                whole = whole * 10 + u32::from(byte - b'0');
+                digits += 1;
+                exponent -= i32::from(dot);
+            }
+            b'0'..=b'9' => exponent += i32::from(!dot),
+            _ => {}
+        }
+    }
+    let mut value = whole as f32;
+    while exponent <= -2 {
+        value *= 0.01;
+        exponent += 2;
+    }
+    if exponent < 0 {
+        value *= 0.1;
+    }
+    for _ in 0..exponent.max(0) {
+        value *= 10.0;
+    }
+    let value = if figure.starts_with('-') { -value } else { value };
+    value.is_finite().then(|| f64::from(value))
+}
+
 /// A number as the firmware reads it: sign, digits, one dot. And what follows it.
 fn number(text: &str) -> Option<(f64, &str)> {
     let sign = usize::from(text.starts_with(['+', '-']));
@@ -236,5 +266,5 @@ fn number(text: &str) -> Option<(f64, &str)> {
         .map_or(text.len(), |(i, _)| i);
     let (figure, rest) = text.split_at_checked(end)?;
     figure.bytes().any(|b| b.is_ascii_digit()).then_some(())?;
-    Some((figure.parse().ok()?, rest))
+    Some((read_single(figure)?, rest))
 }

@@ -11,6 +11,8 @@ use crate::units::Mm;
 
 /// The largest part of a second the firmware can dwell by: it rounds up to whole ones, and looks at its flags between them.
 pub(super) const DWELL_STEP: f64 = 0.05;
+/// Computing and planning a chord of an arc takes so long, s. Fitted to recordings.
+const CHORD: f64 = 0.00115;
 /// What a look at the flags adds to it, s, on a machine that takes time to think.
 const LOOK: f64 = 0.00006;
 /// Looks at the flags while the spindle and the coolant come back behind a closed door: 4 s and 1 s.
@@ -21,6 +23,8 @@ pub(super) const RESUMING: (u32, u32) = (80, 20);
 pub(super) enum Step {
     /// Queue a straight block; waits while the window is full. Machine coordinates, mm.
     Block { to: Point, speed: Speed },
+    /// The firmware computes for so long, s, on a machine that takes time to think.
+    Think(f64),
     /// What is queued may start.
     Start,
     /// Wait until all motion has ended.
@@ -60,9 +64,9 @@ pub(super) enum Step {
 /// How long the firmware reads a line and plans what it says, s. Fitted to recordings of the real one.
 fn reading_time(line: &Line) -> f64 {
     match line {
-        Line::Text(text) if text.starts_with("$H") => 0.002,
+        Line::Text(text) if text.starts_with("$H") => 0.001,
         Line::Text(text) if text.starts_with('$') && !text.starts_with("$J") => 0.00005,
-        Line::Text(text) if !text.is_empty() => 0.0004 + 0.0001 * text.len() as f64,
+        Line::Text(text) if !text.is_empty() => 0.0003 + 0.00006 * text.len() as f64,
         _ => 0.0002,
     }
 }
@@ -95,12 +99,14 @@ impl Controller {
             if self.now < self.busy_until - SAME_MOMENT {
                 return;
             }
+            // A line that is read is finished before anything else is looked at.
+            if let Some(line) = self.reading.take() {
+                self.dispatch(&line);
+            }
             self.serve_flags();
-            if self.homing.is_some() {
-                self.go_on_homing();
-                if self.deaf != Deaf::No {
-                    continue;
-                }
+            self.go_on_homing();
+            if self.deaf != Deaf::No {
+                continue;
             }
             if self.now < self.busy_until - SAME_MOMENT {
                 return;
@@ -125,10 +131,6 @@ impl Controller {
                 if !self.step() {
                     return;
                 }
-                continue;
-            }
-            if let Some(line) = self.reading.take() {
-                self.dispatch(&line);
                 continue;
             }
             match self.intake.line() {
@@ -245,7 +247,10 @@ impl Controller {
                     direction, speed, ..
                 } => {
                     // A laser's beam changes with the motion.
-                    let beam = self.memory.is_on(32) && *direction == self.spindle;
+                    let cuts = |e: &Event| matches!(e, Event::Motion(m) if m.kind == MotionKind::Feed);
+                    let beam = self.memory.is_on(32)
+                        && *direction == self.spindle
+                        && events.iter().any(cuts);
                     if !beam {
                         self.steps.push_back(Step::Sync);
                     }
@@ -299,10 +304,13 @@ impl Controller {
                 speed,
             }),
             Some(pieces) => {
-                self.steps.extend(pieces.map(|p| Step::Block {
-                    to: p + shift,
-                    speed,
-                }));
+                for p in pieces {
+                    self.steps.push_back(Step::Think(CHORD));
+                    self.steps.push_back(Step::Block {
+                        to: p + shift,
+                        speed,
+                    });
+                }
             }
         }
     }
@@ -376,13 +384,19 @@ impl Controller {
                 }
                 self.motion.push(to, speed);
             }
+            Step::Think(seconds) => {
+                self.steps.pop_front();
+                self.think(seconds);
+                // Back to the main loop: it may have to wait.
+                return true;
+            }
             Step::Start => self.motion.start(),
             Step::Sync => {
-                self.motion.start();
                 if self.probe_hit && self.motion.is_holding() && !self.motion.going() {
                     // Contact has ended the way; what is left of it is forgotten.
                     self.motion.abort();
                 }
+                self.motion.start();
                 if self.motion.going() || !self.motion.is_empty() {
                     return false;
                 }

@@ -95,7 +95,9 @@ impl Default for Build {
 /// Moments closer than this are the same, s: far below anything the firmware can tell apart, far above f64 noise in hours of time.
 const SAME_MOMENT: f64 = 1e-9;
 /// Seconds from the decision to start to the first step, on a machine that takes time to think. Fitted to recordings.
-const START: f64 = 0.001;
+const START: f64 = 0.0014;
+/// Seconds from a reset to the greeting, on such a machine: what is stored is read first.
+const GREETING: f64 = 0.009;
 /// Seconds the firmware is deaf after an alarm.
 const DEAF: f64 = 0.5;
 
@@ -195,6 +197,8 @@ pub struct Controller {
     /// Buttons when last looked at: hold, reset, cycle start, door.
     buttons_seen: [bool; 4],
     homing: Option<Homing>,
+    /// What is said now is said when the restart is done.
+    greeting: bool,
     writing: Option<eeprom::Write>,
     /// A probe is on its way and waits for this state of its pin.
     probing: Option<bool>,
@@ -263,6 +267,7 @@ impl Controller {
             limits_seen: [false; 3],
             buttons_seen: [false; 4],
             homing: None,
+            greeting: false,
             writing: None,
             probing: None,
         }
@@ -503,7 +508,8 @@ impl Controller {
         // A byte of the line is a character up to U+00FF here.
         let mut bytes: Vec<u8> = line.chars().map(|c| c as u32 as u8).collect();
         bytes.extend_from_slice(b"\r\n");
-        self.cable.say(&bytes, self.now);
+        let at = if self.greeting { self.busy_until } else { self.now };
+        self.cable.say(&bytes, at.max(self.now));
     }
 
     fn ok(&mut self) {
@@ -585,7 +591,9 @@ impl Controller {
     fn restart(&mut self) {
         (self.wco_in, self.overrides_in) = (0, 0);
         self.refresh_offset();
-        self.cable.say(b"\r\n", self.now);
+        self.think(GREETING);
+        self.greeting = true;
+        self.say("");
         self.say(self.build.profile.welcome());
         if self.memory.is_on(21) && self.limit_pins().contains(&true) {
             self.mode = Mode::Alarm;
@@ -596,6 +604,7 @@ impl Controller {
         } else {
             self.queue_startup_lines();
         }
+        self.greeting = false;
     }
 
     /// ALARM:n: whatever ran is over.

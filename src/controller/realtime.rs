@@ -33,9 +33,19 @@ impl Flags {
 impl Flags {
     /// How long the main loop is busy with these on a timed line, s.
     fn seconds_to_serve(&self) -> f64 {
-        let report = self.0.contains(&Realtime::Status);
-        let others = self.0.iter().any(|f| *f != Realtime::Status);
-        f64::from(u8::from(report)) * 0.0015 + f64::from(u8::from(others)) * 0.00024
+        let longest = self.0.iter().map(|flag| match flag {
+            Realtime::Status => 0.0015,
+            Realtime::FeedNormal
+            | Realtime::FeedPlus10
+            | Realtime::FeedMinus10
+            | Realtime::FeedPlus1
+            | Realtime::FeedMinus1
+            | Realtime::RapidFull
+            | Realtime::RapidHalf
+            | Realtime::RapidQuarter => 0.000252,
+            _ => 0.00005,
+        });
+        longest.fold(0.0, f64::max)
     }
 }
 
@@ -142,6 +152,11 @@ impl Controller {
             Mode::Jog => self.cancel_jog(),
             Mode::Normal if self.suspend == Suspend::None => {
                 self.suspend = Suspend::Hold;
+                if self.memory.is_on(32) && self.spindle != 0 {
+                    // A standing beam would burn.
+                    self.spindle_stopped = true;
+                    self.overrides_in = 0;
+                }
                 self.motion.hold();
             }
             _ => {}

@@ -71,6 +71,9 @@ impl Controller {
 
     pub(super) fn report_status(&mut self) {
         let mut status = Status::new(self.state());
+        // The offset of the line read last, whether or not the axes have come that far.
+        let offset = self.parser.offset();
+        self.offset = [offset.x, offset.y, offset.z];
         let place = self.position_in_steps();
         let place = [place.x, place.y, place.z];
         let mask = self.memory.get(10) as u32;
@@ -134,16 +137,19 @@ impl Controller {
     /// What the spindle turns with now, overridden and clamped; in laser mode, the beam.
     fn turning_rpm(&self) -> f64 {
         let moving = self.motion.going();
-        let feeding = !matches!(self.parser.motion, MotionMode::Rapid | MotionMode::None);
+        let feeding = matches!(
+            self.parser.motion,
+            MotionMode::Linear | MotionMode::ArcClockwise | MotionMode::ArcCounterclockwise
+        );
         let dark = self.memory.is_on(32)
             && match self.spindle {
                 // Constant power shines while feeds are in force, the other only while they move.
                 1 => !feeding,
-                _ => !moving || !feeding,
+                _ => !moving || (!feeding && self.mode != Mode::Jog),
             };
         let off = self.spindle == 0
             || dark
-            || self.spindle_stopped
+            || (self.spindle_stopped && !moving)
             || self.suspend == Suspend::Door;
         let rpm = self.rpm * f64::from(self.percent.spindle) / 100.0;
         let (least, most) = (self.memory.get(31), self.memory.get(30));
