@@ -249,7 +249,7 @@ fn read_single(figure: &str) -> Option<f64> {
         value *= 10.0;
     }
     let value = if figure.starts_with('-') { -value } else { value };
-    value.is_finite().then(|| f64::from(value))
+    Some(f64::from(value.clamp(f32::MIN, f32::MAX)))
 }
 
 /// A number as the firmware reads it: sign, digits, one dot. And what follows it.

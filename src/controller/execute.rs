@@ -14,7 +14,7 @@ pub(super) const DWELL_STEP: f64 = 0.05;
 /// Computing and planning a chord of an arc takes so long, s. Fitted to recordings.
 const CHORD: f64 = 0.00115;
 /// What a look at the flags adds to it, s, on a machine that takes time to think.
-const LOOK: f64 = 0.00006;
+const LOOK: f64 = 0.00003;
 /// Looks at the flags while the spindle and the coolant come back behind a closed door: 4 s and 1 s.
 pub(super) const RESUMING: (u32, u32) = (80, 20);
 
@@ -64,11 +64,21 @@ pub(super) enum Step {
 /// How long the firmware reads a line and plans what it says, s. Fitted to recordings of the real one.
 fn reading_time(line: &Line) -> f64 {
     match line {
-        Line::Text(text) if text.starts_with("$H") => 0.001,
+        Line::Text(text) if text.starts_with("$H") => 0.00072,
         Line::Text(text) if text.starts_with('$') && !text.starts_with("$J") => 0.00005,
-        Line::Text(text) if !text.is_empty() => 0.0003 + 0.00006 * text.len() as f64,
-        _ => 0.0002,
+        Line::Text(text) if moves(line) => {
+            let count = |wanted: &[char]| text.matches(wanted).count() as f64;
+            let axes = count(&['X', 'Y', 'Z']);
+            0.0001 + 0.00006 * text.len() as f64 + 0.0001 * count(&['.']) + 0.0002 * axes
+        }
+        Line::Text(text) => 0.0001 + 0.00001 * text.len() as f64,
+        Line::TooLong => 0.0001,
     }
+}
+
+/// The line has axis words, so that something must be planned.
+fn moves(line: &Line) -> bool {
+    matches!(line, Line::Text(text) if text.contains(['X', 'Y', 'Z']))
 }
 
 impl Controller {
@@ -99,11 +109,18 @@ impl Controller {
             if self.now < self.busy_until - SAME_MOMENT {
                 return;
             }
-            // A line that is read is finished before anything else is looked at.
-            if let Some(line) = self.reading.take() {
+            // A line that is read is finished before anything else is looked at, but a motion looks first.
+            if self.reading.as_ref().is_some_and(|line| !moves(line))
+                && let Some(line) = self.reading.take()
+            {
                 self.dispatch(&line);
             }
             self.serve_flags();
+            if self.suspend == Suspend::None
+                && let Some(line) = self.reading.take()
+            {
+                self.dispatch(&line);
+            }
             self.go_on_homing();
             if self.deaf != Deaf::No {
                 continue;

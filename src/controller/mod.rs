@@ -97,7 +97,7 @@ const SAME_MOMENT: f64 = 1e-9;
 /// Seconds from the decision to start to the first step, on a machine that takes time to think. Fitted to recordings.
 const START: f64 = 0.0014;
 /// Seconds from a reset to the greeting, on such a machine: what is stored is read first.
-const GREETING: f64 = 0.009;
+const GREETING: f64 = 0.0105;
 /// Seconds the firmware is deaf after an alarm.
 const DEAF: f64 = 0.5;
 

@@ -73,15 +73,17 @@ impl Controller {
         let mut status = Status::new(self.state());
         // The offset of the line read last, whether or not the axes have come that far.
         let offset = self.parser.offset();
-        self.offset = [offset.x, offset.y, offset.z];
+        let offset = [offset.x, offset.y, offset.z];
+        let decimals = if self.inches() { 4 } else { 3 };
+        let written = |mm: f64| as_printed(self.shown(mm), decimals);
         let place = self.position_in_steps();
         let place = [place.x, place.y, place.z];
         let mask = self.memory.get(10) as u32;
         status.position = Some(if mask & 1 == 1 {
-            Position::Machine(place.map(|c| self.shown(c)))
+            Position::Machine(place.map(written))
         } else {
             Position::Work(std::array::from_fn(|i| {
-                self.shown(place[i] - self.offset[i])
+                written(place[i] - offset[i])
             }))
         });
         if mask & 2 == 2 {
@@ -108,7 +110,8 @@ impl Controller {
             self.wco_in = if busy { 29 } else { 9 };
             // Overrides never ride in the same report as the offset: it would grow too long.
             self.overrides_in = self.overrides_in.max(1);
-            status.work_offset = Some(self.offset.map(|c| self.shown(c)));
+            let decimals = if self.inches() { 4 } else { 3 };
+            status.work_offset = Some(offset.map(|c| as_printed(self.shown(c), decimals)));
         }
         if self.overrides_in > 0 {
             self.overrides_in -= 1;
