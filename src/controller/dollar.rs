@@ -114,6 +114,9 @@ impl Controller {
 
     fn jog(&mut self, text: &str) -> Result<(), u16> {
         let mut ahead: Parser = self.parser.clone();
+        if !self.build.quirks.jog_to_zero && !text.contains(['X', 'Y', 'Z']) {
+            return Err(26);
+        }
         let motion = interpret_jog(&mut ahead, text, 0).map_err(|e| error_number(&e.complaint))?;
         let to = ahead.machine_position();
         if self.memory.is_on(20) && self.outside(&to) {
@@ -213,6 +216,11 @@ impl Controller {
         if !after.is_empty() {
             return Err(3);
         }
+        let byte = matches!(number as u16, 1 | 2 | 3 | 10 | 23 | 26);
+        let value = match byte && !self.build.quirks.byte_wrap {
+            true => value.min(255.0),
+            false => value,
+        };
         self.memory.store(number, value)?;
         self.motion
             .set_settings(&self.memory.planner_settings(self.build.blocks));
@@ -248,7 +256,11 @@ fn read_single(figure: &str) -> Option<f64> {
     for _ in 0..exponent.max(0) {
         value *= 10.0;
     }
-    let value = if figure.starts_with('-') { -value } else { value };
+    let value = if figure.starts_with('-') {
+        -value
+    } else {
+        value
+    };
     Some(f64::from(value.clamp(f32::MIN, f32::MAX)))
 }
 

@@ -188,13 +188,18 @@ impl Controller {
             Line::Text(text) => text,
         };
         if text.is_empty() {
+            self.wall = None;
             return self.ok();
         }
         if text.starts_with('$') {
+            self.wall = None;
             return self.dollar(text);
         }
         if matches!(self.mode, Mode::Alarm | Mode::Jog) {
             return self.error(9);
+        }
+        if let Some(number) = self.wall {
+            return self.error(number);
         }
         match self.carry_out(text) {
             Err(number) => self.error(number),
@@ -205,9 +210,18 @@ impl Controller {
     /// Reads a line of G-code and queues what it means.
     pub(super) fn carry_out(&mut self, text: &str) -> Result<(), u16> {
         let before = Controller::stored(&self.parser);
+        let tool = self.parser.tool;
         let mut events = Vec::new();
         interpret_line(&mut self.parser, text, 0, &mut events)
             .map_err(|e| error_number(&e.complaint))?;
+        if !self.build.quirks.tool_falls && !text.contains('T') {
+            self.parser.tool = tool;
+        }
+        if self.mode == Mode::Check && !self.build.quirks.check_writes {
+            let mut kept = self.memory.clone();
+            kept.places = before;
+            kept.recall(&mut self.parser);
+        }
         self.queue_events(&events);
         let after = Controller::stored(&self.parser);
         let pairs = before.iter().flatten().zip(after.iter().flatten());
@@ -264,7 +278,8 @@ impl Controller {
                     direction, speed, ..
                 } => {
                     // A laser's beam changes with the motion.
-                    let cuts = |e: &Event| matches!(e, Event::Motion(m) if m.kind == MotionKind::Feed);
+                    let cuts =
+                        |e: &Event| matches!(e, Event::Motion(m) if m.kind == MotionKind::Feed);
                     let beam = self.memory.is_on(32)
                         && *direction == self.spindle
                         && events.iter().any(cuts);
@@ -289,9 +304,7 @@ impl Controller {
                     self.steps.push_back(Step::Sync);
                     self.steps.push_back(Step::Coolant(*flood));
                 }
-                Event::Sync { .. } | Event::ToolChange { .. } => {
-                    self.steps.push_back(Step::Sync)
-                }
+                Event::Sync { .. } | Event::ToolChange { .. } => self.steps.push_back(Step::Sync),
             }
         }
         self.steps.push_back(Step::Offset);

@@ -95,7 +95,11 @@ impl Controller {
         for axis in (0..3).filter(|&i| axes[i]) {
             let toward = if negative >> axis & 1 == 1 { -1.0 } else { 1.0 };
             zero[axis] = 0.0;
-            to[axis] = if approach { toward * way } else { -toward * way };
+            to[axis] = if approach {
+                toward * way
+            } else {
+                -toward * way
+            };
         }
         self.declare(zero);
         self.motion

@@ -9,9 +9,10 @@
 //! bytes --------> intake ring -----> dispatch --------> waiting steps ---------------> motion
 //!            \--> real-time flags          \--> $ commands
 //! ```
-//! What it keeps to: line intake, flow control, error numbers, states, resets, report cadence, planner and slice latency of the
-//! firmware as shipped (Uno, no door pin, no line numbers, no M7). What it leaves out: limit and probe switches (a probe touches
-//! nothing, homing always succeeds), lost bytes while settings are written, laser mode, the time the serial line takes.
+//! What it keeps to: line intake, flow control, error numbers, states, resets, report cadence, switches, homing, probing, planner and
+//! slice latency of the firmware as shipped (Uno, no line numbers, no M7), and on a timed line the time that bytes and thinking take.
+//! What it leaves out: beam power that changes from block to block is shown at once (laser mode), and of grblHAL and FluidNC all
+//! that a sender need not notice.
 //!
 //! ```
 //! use morsemill::controller::{Controller, Memory};
@@ -168,6 +169,8 @@ pub struct Controller {
     /// What is left of the dwell that is under way, looks at the flags.
     wait: Option<u32>,
     now: f64,
+    /// grblHAL: the error that all further G-code gets.
+    wall: Option<u16>,
     cable: Cable,
     /// The main loop thinks until then, and does nothing else.
     busy_until: f64,
@@ -236,7 +239,8 @@ impl Controller {
             build,
             memory,
             parser,
-            intake: Intake::new(build.rx_bytes),
+            intake: Intake::new(build.rx_bytes).cutting(build.profile.cutting(&build.quirks)),
+            wall: None,
             flags: realtime::Flags::default(),
             steps: VecDeque::new(),
             mode: Mode::Normal,
@@ -318,13 +322,19 @@ impl Controller {
                 // The main loop empties the ring as it fills, unless a line holds it up.
                 self.work();
             }
-            match self.intake.arrive(byte) {
+            match self
+                .intake
+                .arrive_as(byte, self.build.profile.realtime(byte))
+            {
                 Some(crate::wire::Realtime::Reset) => {
                     // What came before the reset was read before it; what comes with it is thrown away by it.
                     self.work();
                     if self.reset() {
                         for &late in bytes.get(index + 1..).unwrap_or_default() {
-                            if let Some(command) = self.intake.arrive(late) {
+                            if let Some(command) = self
+                                .intake
+                                .arrive_as(late, self.build.profile.realtime(late))
+                            {
                                 self.flags.set(command);
                             }
                         }
@@ -398,7 +408,10 @@ impl Controller {
             if self.loses() {
                 continue;
             }
-            match self.intake.arrive(byte) {
+            match self
+                .intake
+                .arrive_as(byte, self.build.profile.realtime(byte))
+            {
                 Some(crate::wire::Realtime::Reset) => _ = self.reset(),
                 Some(command) => self.flags.set(command),
                 None => {}
@@ -508,7 +521,11 @@ impl Controller {
         // A byte of the line is a character up to U+00FF here.
         let mut bytes: Vec<u8> = line.chars().map(|c| c as u32 as u8).collect();
         bytes.extend_from_slice(b"\r\n");
-        let at = if self.greeting { self.busy_until } else { self.now };
+        let at = if self.greeting {
+            self.busy_until
+        } else {
+            self.now
+        };
         self.cable.say(&bytes, at.max(self.now));
     }
 
@@ -517,6 +534,7 @@ impl Controller {
     }
 
     fn error(&mut self, number: u16) {
+        self.wall = self.build.profile.walls().then_some(number);
         self.say(&format!("error:{number}"));
     }
 
@@ -573,6 +591,7 @@ impl Controller {
         self.parser.reset();
         self.parser.set_machine_position(&here);
         self.intake.clear();
+        self.wall = None;
         self.reading = None;
         self.busy_until = self.now;
         self.flags = realtime::Flags::default();

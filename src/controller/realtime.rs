@@ -79,9 +79,7 @@ impl Controller {
                     self.resume()
                 }
                 Realtime::JogCancel if self.mode == Mode::Jog => self.cancel_jog(),
-                Realtime::SpindleStop
-                    if self.suspend == Suspend::Hold && self.spindle != 0 =>
-                {
+                Realtime::SpindleStop if self.suspend == Suspend::Hold && self.spindle != 0 => {
                     if self.spindle_stopped {
                         self.say("[MSG:Restoring spindle]");
                     }
@@ -183,6 +181,9 @@ impl Controller {
     fn resume(&mut self) {
         // Ignored until the axes stand still; the sender has to send it again.
         if self.motion.going() {
+            if !self.build.quirks.resume_lost && self.suspend == Suspend::Hold {
+                self.flags.set(Realtime::Resume);
+            }
             return;
         }
         match self.suspend {

@@ -1,7 +1,7 @@
 //! What the controller says about itself: status reports and the answers to `$$`, `$#`, `$G`, `$I`, `$N`.
 
 use super::execute::RESUMING;
-use super::{Controller, Mode, Suspend};
+use super::{Build, Controller, Mode, Suspend};
 use crate::gcode::{Distance, FeedMode, MotionMode, Plane, Units};
 use crate::wire::{Buffer, DoorPhase, Overrides, Position, State, Status};
 
@@ -14,7 +14,11 @@ pub(super) fn as_printed(value: f64, decimals: u32) -> f64 {
         return value;
     }
     let printed = f64::from(whole) / f64::from(scale);
-    if value < 0.0 && printed > 0.0 { -printed } else { printed }
+    if value < 0.0 && printed > 0.0 {
+        -printed
+    } else {
+        printed
+    }
 }
 
 impl Controller {
@@ -82,9 +86,7 @@ impl Controller {
         status.position = Some(if mask & 1 == 1 {
             Position::Machine(place.map(written))
         } else {
-            Position::Work(std::array::from_fn(|i| {
-                written(place[i] - offset[i])
-            }))
+            Position::Work(std::array::from_fn(|i| written(place[i] - offset[i])))
         });
         if mask & 2 == 2 {
             status.buffer = Some(Buffer {
@@ -264,9 +266,14 @@ impl Controller {
     }
 
     pub(super) fn report_build(&mut self) {
-        let line = format!("[VER:1.1h.20190830:{}]", self.memory.build_text);
-        self.say(&line);
-        let line = format!("[OPT:V,{},{}]", self.build.blocks, self.build.rx_bytes);
-        self.say(&line);
+        let Build {
+            blocks,
+            rx_bytes,
+            profile,
+            ..
+        } = self.build;
+        for line in profile.build_info(&self.memory.build_text, blocks, rx_bytes) {
+            self.say(&line);
+        }
     }
 }

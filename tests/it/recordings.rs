@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use morsemill::controller::replay::{Json, compare, parse, replay, time_program};
-use morsemill::controller::{Build, Controller, Memory, Pins, Switches};
+use morsemill::controller::{Build, Controller, Memory, Pins, Profile, Quirks, Switches};
 use serde_json::Value;
 use std::collections::BTreeMap;
 
@@ -64,10 +64,7 @@ fn recordings_that_are_none_are_refused() {
             r#"no recording has the key "sent": did you mean "send"?"#,
         ),
         (r#"{"setup": []}"#, r#"the key "send" is missing"#),
-        (
-            r#"{"send": 5}"#,
-            r#""send" must be a text"#,
-        ),
+        (r#"{"send": 5}"#, r#""send" must be a text"#),
         (
             r#"{"name": "a", "steps": [{"pin": "Q", "active": true, "then_run_ms": 1}]}"#,
             r#"there is no pin "Q": name X_LIMIT, Y_LIMIT, Z_LIMIT, PROBE, RESET, FEED_HOLD, CYCLE_START or SAFETY_DOOR"#,
@@ -216,7 +213,10 @@ fn every_error_of_the_table_is_reached_twice() {
     // 7, 12, 13, 14 and 17 need a damaged memory or another build; 18 and 19 are not the firmware's.
     let expected = (1..=38).filter(|n| ![7, 12, 13, 14, 17, 18, 19].contains(n));
     for number in expected {
-        assert!(reached.get(&number).is_some_and(|n| *n >= 2), "error {number}");
+        assert!(
+            reached.get(&number).is_some_and(|n| *n >= 2),
+            "error {number}"
+        );
     }
 }
 
@@ -267,7 +267,14 @@ fn after(c: &mut Controller, bytes: &[u8], seconds: f64) -> String {
 
 #[test]
 fn every_alarm_of_the_table_is_reached_twice() {
-    let ends = [Some(-2000), Some(2000), Some(-2000), Some(2000), Some(-2000), Some(2000)];
+    let ends = [
+        Some(-2000),
+        Some(2000),
+        Some(-2000),
+        Some(2000),
+        Some(-2000),
+        Some(2000),
+    ];
     // 1: a limit pin, and a switch on the way.
     let mut memory = Memory::default();
     memory.set(21, 1.0);
@@ -278,7 +285,10 @@ fn every_alarm_of_the_table_is_reached_twice() {
         limit: [false, true, false],
         ..Pins::default()
     });
-    assert_eq!(after(&mut c, b"?", 0.6), "ALARM:1\r\n[MSG:Reset to continue]\r\n");
+    assert_eq!(
+        after(&mut c, b"?", 0.6),
+        "ALARM:1\r\n[MSG:Reset to continue]\r\n"
+    );
     let mut c = Controller::new(memory);
     c.set_switches(Switches {
         limits: [None, Some(1000), None, None, None, None],
@@ -294,7 +304,10 @@ fn every_alarm_of_the_table_is_reached_twice() {
         memory.set(20, 1.0);
         let mut c = Controller::new(memory);
         let said = after(&mut c, format!("$X\n{check}G0X5\n").as_bytes(), 1.0);
-        assert!(said.ends_with("ALARM:2\r\n[MSG:Reset to continue]\r\n"), "{said}");
+        assert!(
+            said.ends_with("ALARM:2\r\n[MSG:Reset to continue]\r\n"),
+            "{said}"
+        );
     }
     // 3: a reset while moving.
     for line in ["G1X20F600\n", "$J=X20F600\n"] {
@@ -312,7 +325,11 @@ fn every_alarm_of_the_table_is_reached_twice() {
             ..Pins::default()
         });
         let line = format!("{code}Z-1F300\n");
-        assert_eq!(after(&mut c, line.as_bytes(), 2.0), "ALARM:4\r\nok\r\n", "{code}");
+        assert_eq!(
+            after(&mut c, line.as_bytes(), 2.0),
+            "ALARM:4\r\nok\r\n",
+            "{code}"
+        );
         c.set_pins(Pins {
             probe: away,
             ..Pins::default()
@@ -349,7 +366,14 @@ fn every_alarm_of_the_table_is_reached_twice() {
 
 #[test]
 fn homing_finds_its_switches_and_says_where_it_is() {
-    let ends = [Some(-2000), Some(2000), Some(-2000), Some(2000), Some(-2000), Some(2000)];
+    let ends = [
+        Some(-2000),
+        Some(2000),
+        Some(-2000),
+        Some(2000),
+        Some(-2000),
+        Some(2000),
+    ];
     for (mask, place) in [(0.0, [-1.0, -1.0, -1.0]), (3.0, [-199.0, -199.0, -1.0])] {
         let mut c = homing_machine(ends);
         c.feed(format!("$23={mask}\n").as_bytes());
@@ -372,4 +396,86 @@ fn a_probe_touches_on_the_step_and_stops_behind_it() {
     let said = after(&mut c, b"G38.2Z-5F200\n", 10.0);
     assert_eq!(said, "[PRB:0.000,0.000,-2.000:1]\r\nok\r\n");
     assert!(c.position().z < -2.0 && c.position().z > -2.9);
+}
+
+#[test]
+fn other_firmwares_show_what_a_sender_must_notice() {
+    let talk = |profile: Profile, bytes: &[u8]| {
+        let mut c = Controller::with_build(Memory::default(), Build::of_profile(profile));
+        let greeting = String::from_utf8(c.output()).unwrap();
+        (greeting, after(&mut c, bytes, 0.2))
+    };
+    for (profile, greeting, options) in [
+        (
+            Profile::Grbl11h,
+            "\r\nGrbl 1.1h ['$' for help]\r\n",
+            "[OPT:V,15,128]",
+        ),
+        (
+            Profile::Grbl11f,
+            "\r\nGrbl 1.1f ['$' for help]\r\n",
+            "[OPT:V,15,128]",
+        ),
+        (
+            Profile::GrblHal,
+            "\r\nGrblHAL 1.1f ['$' or '$HELP' for help]\r\n",
+            ",15,1024,3,0]",
+        ),
+        (Profile::FluidNc, "\r\nGrbl 3.9 [FluidNC", "[OPT:PHS]"),
+    ] {
+        let (said, info) = talk(profile, b"$I\n");
+        assert!(said.starts_with(greeting), "{said}");
+        assert!(info.contains(options), "{info}");
+        // CR LF: two answers from GRBL, one from the others.
+        let stock = matches!(profile, Profile::Grbl11h | Profile::Grbl11f);
+        let (_, oks) = talk(profile, b"G0\r\n");
+        assert_eq!(oks, if stock { "ok\r\nok\r\n" } else { "ok\r\n" });
+        // Eighty characters are too many for GRBL only.
+        let long = format!("G4P{}\n", "0".repeat(90));
+        let (_, answer) = talk(profile, long.as_bytes());
+        assert_eq!(answer, if stock { "error:11\r\n" } else { "ok\r\n" });
+    }
+    // grblHAL answers all that follows an error with it, until it is spoken to otherwise.
+    let (_, wall) = talk(Profile::GrblHal, b"G0X1X2\nG0X1\nG0X2\n\nG0\n");
+    assert_eq!(wall, "error:25\r\nerror:25\r\nerror:25\r\nok\r\nok\r\n");
+    let (_, none) = talk(Profile::Grbl11h, b"G0X1X2\nG0\n");
+    assert_eq!(none, "error:25\r\nok\r\n");
+    // Its second question mark.
+    assert!(talk(Profile::GrblHal, b"\x80").1.starts_with("<Idle|"));
+    assert_eq!(talk(Profile::Grbl11h, b"\x80").1, "");
+}
+
+#[test]
+fn each_quirk_can_be_switched_off() {
+    let tame = |change: fn(&mut Quirks), bytes: &[u8]| {
+        let mut build = Build::default();
+        change(&mut build.quirks);
+        let mut c = Controller::with_build(Memory::default(), build);
+        c.output();
+        let said = after(&mut c, bytes, 3.0);
+        (said, c)
+    };
+    assert_eq!(tame(|q| q.crlf_twice = false, b"G0\r\n").0, "ok\r\n");
+    assert_eq!(tame(|q| q.slash_passes = false, b"/G5\n").0, "ok\r\n");
+    assert_eq!(
+        tame(|q| q.jog_to_zero = false, b"$J=F100\n").0,
+        "error:26\r\n"
+    );
+    let (said, _) = tame(|q| q.tool_falls = false, b"T3\nG0\n$G\n");
+    assert!(said.contains(" T3 "), "{said}");
+    let (_, c) = tame(|q| q.byte_wrap = false, b"$1=300\n");
+    assert_eq!(c.memory().get(1), 255.0);
+    let (_, c) = tame(|q| q.check_writes = false, b"$C\nG10L2P1X5\n");
+    assert_eq!(c.memory().places[0], [0.0; 3]);
+    let (_, c) = tame(|_| (), b"$C\nG10L2P1X5\n");
+    assert_eq!(c.memory().places[0], [5.0, 0.0, 0.0]);
+    let (said, _) = tame(|q| q.stray_ok = false, b"M0\n\x18");
+    assert!(!said.contains("ok\r\n"), "{said}");
+    let (_, mut c) = tame(|q| q.door_pin = true, b"");
+    c.set_pins(Pins {
+        door: true,
+        ..Pins::default()
+    });
+    let said = after(&mut c, b"?", 0.1);
+    assert!(said.contains("<Door:1|") && said.contains("Pn:D"), "{said}");
 }

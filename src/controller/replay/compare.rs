@@ -107,7 +107,12 @@ fn alike(want: &str, got: &str, speed: f64) -> bool {
     let moving = matches!(
         w.state,
         // An alarm may have cut a motion off.
-        State::Run | State::Jog | State::Home | State::Alarm | State::Hold { at_rest: false } | State::Door(_)
+        State::Run
+            | State::Jog
+            | State::Home
+            | State::Alarm
+            | State::Hold { at_rest: false }
+            | State::Door(_)
     );
     let by = speed / 60.0 * IN_MOTION + 1e-3;
     let near = match (w.position, g.position) {
