@@ -10,7 +10,7 @@ pub(super) fn as_printed(value: f64, decimals: u32) -> f64 {
     let scale = 10f32.powi(decimals as i32);
     let whole = ((value.abs() as f32) * scale + 0.5).floor();
     // What does not fit the firmware's integer is shown as it is.
-    if !(whole < 2_147_483_648.0) {
+    if whole.is_nan() || whole >= 2_147_483_648.0 {
         return value;
     }
     let printed = f64::from(whole) / f64::from(scale);
