@@ -9,9 +9,10 @@
 //! bytes --------> intake ring -----> dispatch --------> waiting steps ---------------> motion
 //!            \--> real-time flags          \--> $ commands
 //! ```
-//! What it keeps to: line intake, flow control, error numbers, states, resets, report cadence, planner and slice latency of the
-//! firmware as shipped (Uno, no door pin, no line numbers, no M7). What it leaves out: limit and probe switches (a probe touches
-//! nothing, homing always succeeds), lost bytes while settings are written, laser mode, the time the serial line takes.
+//! What it keeps to: line intake, flow control, error numbers, states, resets, report cadence, switches, homing, probing, planner and
+//! slice latency of the firmware as shipped (Uno, no line numbers, no M7), and on a timed line the time that bytes and thinking take.
+//! What it leaves out: beam power that changes from block to block is shown at once (laser mode), and of grblHAL and FluidNC all
+//! that a sender need not notice.
 //!
 //! ```
 //! use morsemill::controller::{Controller, Memory};
@@ -24,25 +25,36 @@
 //! assert!(said.ends_with("ok\r\n<Idle|MPos:1.000,0.000,0.000|FS:0,0|WCO:0.000,0.000,0.000>\r\n"));
 //! ```
 
+mod cable;
 mod complaint;
 mod dollar;
+mod eeprom;
 mod execute;
+mod homing;
 pub mod intake;
 pub mod motion;
+pub mod pins;
+pub mod profile;
 pub mod pty;
 mod realtime;
+pub mod replay;
 mod report;
 pub mod settings;
+mod switches;
 
+pub use pins::{Pins, Switches};
+pub use profile::{Profile, Quirks};
 pub use pty::{Pace, Pty, PtyError, Readout};
 pub use settings::Memory;
 
-use crate::gcode::{Dialect, State as Parser};
-use crate::geom::Point;
+use crate::gcode::State as Parser;
+use crate::geom::{Point, Vector};
 use crate::kinematics::Overrides;
 use crate::machine::Machine;
+use cable::Cable;
 use execute::Step;
-use intake::Intake;
+use homing::Homing;
+use intake::{Intake, Line};
 use motion::Motion;
 use std::collections::VecDeque;
 
@@ -53,20 +65,40 @@ pub struct Build {
     pub blocks: usize,
     /// Bytes of receive buffer.
     pub rx_bytes: usize,
+    /// Whose firmware.
+    pub profile: Profile,
+    /// Its oddities.
+    pub quirks: Quirks,
+    /// Bits a second of the serial line and with it the time the firmware takes to think; `None`: neither takes any time.
+    pub baud: Option<u32>,
+}
+
+impl Build {
+    /// A firmware as shipped.
+    pub fn of_profile(profile: Profile) -> Build {
+        Build {
+            blocks: 15,
+            rx_bytes: profile.rx_bytes(),
+            profile,
+            quirks: Quirks::default(),
+            baud: None,
+        }
+    }
 }
 
 impl Default for Build {
     /// GRBL 1.1h on an Uno as shipped.
     fn default() -> Self {
-        Build {
-            blocks: 15,
-            rx_bytes: crate::wire::RX_BYTES,
-        }
+        Build::of_profile(Profile::default())
     }
 }
 
 /// Moments closer than this are the same, s: far below anything the firmware can tell apart, far above f64 noise in hours of time.
 const SAME_MOMENT: f64 = 1e-9;
+/// Seconds from the decision to start to the first step, on a machine that takes time to think. Fitted to recordings.
+const START: f64 = 0.0014;
+/// Seconds from a reset to the greeting, on such a machine: what is stored is read first.
+const GREETING: f64 = 0.0105;
 /// Seconds the firmware is deaf after an alarm.
 const DEAF: f64 = 0.5;
 
@@ -88,8 +120,11 @@ enum Suspend {
     None,
     Hold,
     Door,
-    /// Door closed, spindle and coolant coming back until this time.
-    DoorResuming(f64),
+    /// Door closed, spindle and coolant coming back one after the other: so many looks at the flags are left of each wait.
+    DoorResuming {
+        spindle: u32,
+        coolant: u32,
+    },
 }
 
 /// Behind the half second of deafness.
@@ -131,14 +166,22 @@ pub struct Controller {
     deaf: Deaf,
     /// ALARM:1 or 2: nothing but a reset helps.
     dead: bool,
-    /// End of the wait that the current step is in (dwell, drain, homing).
-    wait: Option<f64>,
+    /// What is left of the dwell that is under way, looks at the flags.
+    wait: Option<u32>,
     now: f64,
-    out: Vec<u8>,
+    /// grblHAL: the error that all further G-code gets.
+    wall: Option<u16>,
+    cable: Cable,
+    /// The main loop thinks until then, and does nothing else.
+    busy_until: f64,
+    /// The line it thinks about.
+    reading: Option<Line>,
     percent: Percent,
     spindle: i8,
     rpm: f64,
     spindle_stopped: bool,
+    /// The coolant runs, unless a door stops it.
+    flood: bool,
     /// WCO as reports show it: it lags behind the parser until the motion before has ended.
     offset: [f64; 3],
     probe: Point,
@@ -148,6 +191,20 @@ pub struct Controller {
     first_motion: Option<f64>,
     last_motion: f64,
     soft_limit: bool,
+    pins: Pins,
+    switches: Switches,
+    /// Where the machine's zero was at power-up, machine coordinates, mm, with the sign turned: switches do not move.
+    bench: Vector,
+    /// Limit pins when last looked at.
+    limits_seen: [bool; 3],
+    /// Buttons when last looked at: hold, reset, cycle start, door.
+    buttons_seen: [bool; 4],
+    homing: Option<Homing>,
+    /// What is said now is said when the restart is done.
+    greeting: bool,
+    writing: Option<eeprom::Write>,
+    /// A probe is on its way and waits for this state of its pin.
+    probing: Option<bool>,
 }
 
 impl Controller {
@@ -161,18 +218,29 @@ impl Controller {
         let build = Build {
             blocks: machine.planner_blocks,
             rx_bytes: machine.rx_buffer,
+            ..Build::default()
         };
         Controller::with_build(Memory::of_machine(machine), build)
     }
 
     /// A controller just switched on, at machine zero.
     pub fn with_build(memory: Memory, build: Build) -> Controller {
-        let mut controller = Controller {
-            motion: Motion::new(&memory.planner_settings(build.blocks), Point::origin()),
+        let mut controller = Controller::off(memory, build);
+        controller.switch_on();
+        controller
+    }
+
+    fn off(memory: Memory, build: Build) -> Controller {
+        let mut parser = Parser::new(build.profile.dialect());
+        memory.recall(&mut parser);
+        Controller {
+            motion: Motion::new(&memory.planner_settings(build.blocks), Point::origin())
+                .starting_after(if build.baud.is_some() { START } else { 0.0 }),
             build,
             memory,
-            parser: Parser::new(Dialect::Grbl),
-            intake: Intake::new(build.rx_bytes),
+            parser,
+            intake: Intake::new(build.rx_bytes).cutting(build.profile.cutting(&build.quirks)),
+            wall: None,
             flags: realtime::Flags::default(),
             steps: VecDeque::new(),
             mode: Mode::Normal,
@@ -181,11 +249,14 @@ impl Controller {
             dead: false,
             wait: None,
             now: 0.0,
-            out: Vec::new(),
+            cable: Cable::new(build.baud),
+            busy_until: 0.0,
+            reading: None,
             percent: NO_OVERRIDES,
             spindle: 0,
             rpm: 0.0,
             spindle_stopped: false,
+            flood: false,
             offset: [0.0; 3],
             probe: Point::origin(),
             probe_hit: false,
@@ -194,32 +265,52 @@ impl Controller {
             first_motion: None,
             last_motion: 0.0,
             soft_limit: false,
-        };
-        if controller.memory.is_on(22) {
-            controller.mode = Mode::Alarm;
+            pins: Pins::default(),
+            switches: Switches::default(),
+            bench: Vector::zeros(),
+            limits_seen: [false; 3],
+            buttons_seen: [false; 4],
+            homing: None,
+            greeting: false,
+            writing: None,
+            probing: None,
         }
-        controller.restart();
-        controller.work();
-        controller
+    }
+
+    fn switch_on(&mut self) {
+        self.limits_seen = self.limit_pins();
+        self.buttons_seen = self.buttons();
+        if self.memory.damaged {
+            self.recover_memory();
+        }
+        if self.memory.is_on(22) {
+            self.mode = Mode::Alarm;
+        }
+        self.restart();
+        self.work();
+    }
+
+    /// The settings, with the offsets and places stored by now.
+    pub fn memory(&self) -> Memory {
+        let mut memory = self.memory.clone();
+        memory.remember(&self.parser);
+        memory
     }
 
     /// Off and on again: settings, stored offsets and places stay, all else is as new, at machine zero.
     pub fn power_cycle(&mut self) {
-        let mut fresh = Controller::with_build(self.memory.clone(), self.build);
-        (fresh.parser.g5x, fresh.parser.g28, fresh.parser.g30) =
-            (self.parser.g5x, self.parser.g28, self.parser.g30);
-        // Startup lines may name stored offsets, so they run once more with them.
-        fresh.out.clear();
-        fresh.steps.clear();
-        fresh.parser.reset();
-        fresh.restart();
-        fresh.work();
+        let mut fresh = Controller::off(self.memory(), self.build);
+        (fresh.pins, fresh.switches, fresh.now) = (self.pins, self.switches, self.now);
+        fresh.switch_on();
         *self = fresh;
     }
 
     /// Bytes from the cable. They arrive at this moment of machine time, but one after the other: the main loop looks at real-time
     /// flags between them as often as it would at 115200 baud, so repeats are merged the way they are on the cable.
     pub fn feed(&mut self, bytes: &[u8]) {
+        if self.cable.is_timed() {
+            return self.cable.put(bytes, self.now);
+        }
         let mut busy_until = 0.0;
         for (index, &byte) in bytes.iter().enumerate() {
             let at = index as f64 + 1.0;
@@ -231,13 +322,19 @@ impl Controller {
                 // The main loop empties the ring as it fills, unless a line holds it up.
                 self.work();
             }
-            match self.intake.arrive(byte) {
+            match self
+                .intake
+                .arrive_as(byte, self.build.profile.realtime(byte))
+            {
                 Some(crate::wire::Realtime::Reset) => {
                     // What came before the reset was read before it; what comes with it is thrown away by it.
                     self.work();
                     if self.reset() {
                         for &late in bytes.get(index + 1..).unwrap_or_default() {
-                            if let Some(command) = self.intake.arrive(late) {
+                            if let Some(command) = self
+                                .intake
+                                .arrive_as(late, self.build.profile.realtime(late))
+                            {
                                 self.flags.set(command);
                             }
                         }
@@ -259,6 +356,28 @@ impl Controller {
         self.work();
     }
 
+    /// Holds the input pins so from now on.
+    pub fn set_pins(&mut self, pins: Pins) {
+        self.pins = pins;
+        self.work();
+    }
+
+    /// The input pins as they were last set.
+    pub fn pins(&self) -> Pins {
+        self.pins
+    }
+
+    /// Mounts switches that the axes close by themselves.
+    pub fn set_switches(&mut self, switches: Switches) {
+        self.switches = switches;
+        self.work();
+    }
+
+    /// What the build has.
+    pub fn build(&self) -> Build {
+        self.build
+    }
+
     /// Lets machine time pass.
     pub fn advance(&mut self, seconds: f64) {
         let end = self.now + seconds.max(0.0);
@@ -272,21 +391,54 @@ impl Controller {
             standing = if at > self.now { 0 } else { standing + 1 };
             self.pass(at - self.now);
             self.now = at;
+            self.arrive();
             self.work();
         }
         self.pass(end - self.now);
         self.now = end;
+        self.arrive();
         self.work();
+        self.cable.pass(end);
+    }
+
+    /// Bytes that have come along a timed line by now.
+    fn arrive(&mut self) {
+        self.cable.pass(self.now);
+        while let Some(byte) = self.cable.arrived(self.now) {
+            if self.loses() {
+                continue;
+            }
+            match self
+                .intake
+                .arrive_as(byte, self.build.profile.realtime(byte))
+            {
+                Some(crate::wire::Realtime::Reset) => _ = self.reset(),
+                Some(command) => self.flags.set(command),
+                None => {}
+            }
+        }
+    }
+
+    /// The main loop is busy for so long, s; on an untimed line thinking takes no time.
+    fn think(&mut self, seconds: f64) {
+        if self.cable.is_timed() {
+            self.pause(seconds);
+        }
+    }
+
+    /// The main loop does nothing else for so long, s.
+    fn pause(&mut self, seconds: f64) {
+        self.busy_until = self.busy_until.max(self.now) + seconds;
     }
 
     /// What it said since the last call.
     pub fn output(&mut self) -> Vec<u8> {
-        std::mem::take(&mut self.out)
+        self.cable.take()
     }
 
     /// It has said something that was not taken yet.
     pub fn has_output(&self) -> bool {
-        !self.out.is_empty()
+        self.cable.has_output()
     }
 
     /// Machine time since it was made, s.
@@ -303,12 +455,11 @@ impl Controller {
         };
         // The deaf and the dead do not look at these.
         let awake = self.deaf == Deaf::No && !self.dead;
-        let door = match self.suspend {
-            Suspend::DoorResuming(t) if awake => Some(t),
-            _ => None,
-        };
-        let wait = self.wait.filter(|_| awake && self.suspend == Suspend::None);
-        [axes, deaf, door, wait]
+        let busy = Some(self.busy_until).filter(|t| awake && *t > self.now + SAME_MOMENT);
+        let switch = self.next_switch().map(|dt| self.now + dt);
+        let homing = self.homing.as_ref().and_then(Homing::wakes);
+        let (arrival, left) = (self.cable.next_arrival(), self.cable.quiet_at());
+        [axes, deaf, busy, switch, homing, arrival, left]
             .into_iter()
             .flatten()
             .map(|t| t.max(self.now))
@@ -322,7 +473,7 @@ impl Controller {
         let working = self.suspend == Suspend::None && !self.steps.is_empty();
         !self.dead && (stopping || working)
             || self.deaf != Deaf::No
-            || matches!(self.suspend, Suspend::DoorResuming(_))
+            || matches!(self.suspend, Suspend::DoorResuming { .. })
     }
 
     /// True while axes move or a queue waits to.
@@ -332,7 +483,18 @@ impl Controller {
 
     /// Machine position, mm.
     pub fn position(&self) -> Point {
-        self.motion.position()
+        match &self.homing {
+            Some(homing) => homing.position(&self.motion.position()),
+            None => self.motion.position(),
+        }
+    }
+
+    /// Machine position in whole steps, as the firmware counts it, mm.
+    pub fn position_in_steps(&self) -> Point {
+        match self.homing {
+            Some(_) => self.motion.steps_at(&self.position()),
+            None => self.motion.position_in_steps(),
+        }
     }
 
     /// Machine time from the first motion since power-up to the last standstill (or to now, while moving), s.
@@ -347,12 +509,6 @@ impl Controller {
 
     /// Time without decisions.
     fn pass(&mut self, dt: f64) {
-        if self.suspend != Suspend::None
-            && let Some(t) = &mut self.wait
-        {
-            // A hold stops a dwell's clock.
-            *t += dt;
-        }
         if self.motion.moving() {
             self.first_motion.get_or_insert(self.now);
             self.last_motion = self.now + dt;
@@ -362,8 +518,15 @@ impl Controller {
     }
 
     fn say(&mut self, line: &str) {
-        self.out.extend_from_slice(line.as_bytes());
-        self.out.extend_from_slice(b"\r\n");
+        // A byte of the line is a character up to U+00FF here.
+        let mut bytes: Vec<u8> = line.chars().map(|c| c as u32 as u8).collect();
+        bytes.extend_from_slice(b"\r\n");
+        let at = if self.greeting {
+            self.busy_until
+        } else {
+            self.now
+        };
+        self.cable.say(&bytes, at.max(self.now));
     }
 
     fn ok(&mut self) {
@@ -371,6 +534,7 @@ impl Controller {
     }
 
     fn error(&mut self, number: u16) {
+        self.wall = self.build.profile.walls().then_some(number);
         self.say(&format!("error:{number}"));
     }
 
@@ -386,12 +550,16 @@ impl Controller {
         }
         let homing = self.mode == Mode::Home;
         let moving = self.motion.going() || homing;
+        self.end_homing();
+        self.probing = None;
         self.motion.abort();
         if moving {
             self.mode = Mode::Alarm;
             self.suspend = Suspend::None;
             self.say(if homing { "ALARM:6" } else { "ALARM:3" });
             self.deaf = Deaf::ThenRestart(self.now + DEAF);
+        } else if self.now < self.busy_until - SAME_MOMENT {
+            self.deaf = Deaf::ThenRestart(self.busy_until);
         } else {
             self.finish_reset();
         }
@@ -402,9 +570,10 @@ impl Controller {
     fn finish_reset(&mut self) {
         self.deaf = Deaf::No;
         // The line that was being carried out lets go of its answer.
-        if self.steps.iter().any(|s| matches!(s, Step::Ok))
-            && (self.mode == Mode::Alarm || self.dead)
-        {
+        if let Some(line) = self.reading.take() {
+            self.dispatch(&line);
+        }
+        if self.build.quirks.stray_ok && self.steps.contains(&Step::Ok) {
             self.ok();
         }
         if self.dead || self.mode == Mode::Sleep {
@@ -413,8 +582,8 @@ impl Controller {
         if self.mode != Mode::Alarm {
             self.mode = Mode::Normal;
         }
-        let here = self.motion.position();
         self.motion.abort();
+        let here = self.motion.position();
         self.motion.set_overrides(Overrides {
             feed: 1.0,
             rapid: 1.0,
@@ -422,6 +591,9 @@ impl Controller {
         self.parser.reset();
         self.parser.set_machine_position(&here);
         self.intake.clear();
+        self.wall = None;
+        self.reading = None;
+        self.busy_until = self.now;
         self.flags = realtime::Flags::default();
         self.steps.clear();
         self.suspend = Suspend::None;
@@ -430,6 +602,7 @@ impl Controller {
         self.soft_limit = false;
         self.percent = NO_OVERRIDES;
         (self.spindle, self.rpm, self.spindle_stopped) = (0, 0.0, false);
+        self.flood = false;
         (self.probe, self.probe_hit) = (Point::origin(), false);
         self.restart();
     }
@@ -437,13 +610,20 @@ impl Controller {
     fn restart(&mut self) {
         (self.wco_in, self.overrides_in) = (0, 0);
         self.refresh_offset();
-        self.out.extend_from_slice(b"\r\n");
-        self.say("Grbl 1.1h ['$' for help]");
+        self.think(GREETING);
+        self.greeting = true;
+        self.say("");
+        self.say(self.build.profile.welcome());
+        if self.memory.is_on(21) && self.limit_pins().contains(&true) {
+            self.mode = Mode::Alarm;
+            self.say("[MSG:Check Limits]");
+        }
         if self.mode == Mode::Alarm {
             self.say("[MSG:'$H'|'$X' to unlock]");
         } else {
             self.queue_startup_lines();
         }
+        self.greeting = false;
     }
 
     /// ALARM:n: whatever ran is over.

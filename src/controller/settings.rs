@@ -1,5 +1,8 @@
 //! The `$n=value` memory and what survives a power cycle beside it.
 
+use super::report::as_printed;
+use crate::gcode::State as Parser;
+use crate::geom::{Point, Vector};
 use crate::kinematics::Settings;
 use crate::machine::Machine;
 use crate::units::{Mm, MmPerMin, MmPerSec2, Seconds};
@@ -62,6 +65,10 @@ pub struct Memory {
     pub startup: [String; 2],
     /// `$I=` text.
     pub build_text: String,
+    /// Origins of G54 to G59, then the places of G28 and G30, machine coordinates, mm.
+    pub places: [[f64; 3]; 8],
+    /// The settings do not read back right: the next power-up restores the defaults and says so (error 7).
+    pub damaged: bool,
 }
 
 impl Default for Memory {
@@ -70,6 +77,8 @@ impl Default for Memory {
             values: TABLE.map(|t| t.2),
             startup: Default::default(),
             build_text: String::new(),
+            places: [[0.0; 3]; 8],
+            damaged: false,
         }
     }
 }
@@ -171,6 +180,20 @@ impl Memory {
         Ok(())
     }
 
+    /// Takes the stored offsets and places from what the parser knows.
+    pub(super) fn remember(&mut self, parser: &Parser) {
+        self.places = super::Controller::stored(parser);
+    }
+
+    /// Gives the stored offsets and places to the parser.
+    pub(super) fn recall(&self, parser: &mut Parser) {
+        for (origin, place) in parser.g5x.iter_mut().zip(&self.places) {
+            *origin = Vector::from(*place);
+        }
+        let [.., g28, g30] = self.places;
+        (parser.g28, parser.g30) = (Point::from(g28), Point::from(g30));
+    }
+
     /// Back to the defaults (`$RST=$`).
     pub fn restore(&mut self) {
         self.values = TABLE.map(|t| t.2);
@@ -182,8 +205,8 @@ impl Memory {
             .iter()
             .zip(&self.values)
             .map(|((number, kind, _), value)| match kind {
-                Kind::Decimal => format!("${number}={value:.3}"),
-                _ => format!("${number}={value:.0}"),
+                Kind::Decimal => format!("${number}={:.3}", as_printed(*value, 3)),
+                _ => format!("${number}={:.0}", as_printed(*value, 0)),
             })
             .collect()
     }
