@@ -17,6 +17,7 @@ pub mod post;
 pub mod posts;
 mod progress;
 mod proven;
+mod replay;
 mod rest_picture;
 pub mod send;
 mod show;
