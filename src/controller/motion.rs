@@ -201,7 +201,7 @@ impl Motion {
             return;
         };
         self.run += dt;
-        self.ran_rapid = slice.rapid;
+        let before = self.position;
         if self.run >= slice.duration - super::SAME_MOMENT {
             self.position = slice.to;
             self.slices.pop_front();
@@ -209,6 +209,9 @@ impl Motion {
             self.prepare();
         } else {
             self.position = slice.from + (slice.to - slice.from) * (self.run / slice.duration);
+        }
+        if self.position != before {
+            self.ran_rapid = slice.rapid;
         }
     }
 

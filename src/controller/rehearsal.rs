@@ -207,7 +207,7 @@ mod tests {
         r.feed(b"G10L2P1X-50Y-40Z-10\n");
         r.advance(0.1);
         r.feed(b"G0X1Y2\n");
-        r.advance(10.0);
+        r.advance(20.0);
         let drive = r.take_drive();
         assert_eq!(drive.pieces[0].from, Point::new(50.0, 40.0, 10.0));
         assert_eq!(ends(&drive)[0].0, "1.000 2.000 10.000");

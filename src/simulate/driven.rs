@@ -167,7 +167,7 @@ mod tests {
         let text = |r: &Rehearsal| r.problems.iter().map(|p| format!("{p}\n")).collect::<String>();
         let standing = rehearse(false, &[]);
         assert!(standing.crashed());
-        assert!(text(&standing).contains("collision: after 2.00 s: move with the spindle stopped through 0.500 mm of standing stock"), "{}", text(&standing));
+        assert!(text(&standing).contains("collision: after 3.00 s: move with the spindle stopped through 0.500 mm of standing stock"), "{}", text(&standing));
         assert!(text(&standing).contains(": start it first\n"), "{}", text(&standing));
     }
 }
