@@ -10,6 +10,7 @@
 
 use super::rehearsal::Drive;
 use super::{Memory, Rig};
+use crate::wire::Realtime;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::Sender;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -192,9 +193,13 @@ impl<P: Pipe> Server<P> {
             last = now;
             match heard {
                 Heard::Bytes(n) => {
-                    quiet_since = now;
+                    let bytes = buffer.get(..n).unwrap_or_default();
+                    // A host that only asks how far it is has nothing to compute either: it waits.
+                    if bytes.iter().any(|&b| Realtime::from_byte(b).is_none()) {
+                        quiet_since = now;
+                    }
                     self.came();
-                    self.rig.feed(buffer.get(..n).unwrap_or_default());
+                    self.rig.feed(bytes);
                 }
                 Heard::Nothing => self.came(),
                 Heard::Nobody => {
@@ -219,9 +224,10 @@ impl<P: Pipe> Server<P> {
         }
         self.open = true;
         if self.pipe.opening_restarts() {
-            self.rig.power_cycle();
             // What it said before is not heard; what it says now is.
+            self.rig.output();
             self.out.clear();
+            self.rig.power_cycle();
         }
         self.ever_open = true;
         self.announce(News::Came);
