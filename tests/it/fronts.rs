@@ -199,6 +199,35 @@ fn each_opening_of_a_pseudo_terminal_greets_anew() {
     }
 }
 
+/// A sender as many are: it opens the device as a file and sets nothing, wakes the controller with two line ends, then sends a line, waits
+/// for its `ok`, and the next; it comes a second time for the next job.
+#[test]
+fn a_plain_sender_of_another_maker() {
+    use std::io::{BufRead as _, BufReader};
+    let pty = Pty::start(mill(), Pace::Unbound).unwrap();
+    for job in 1..=2 {
+        let mut file = std::fs::OpenOptions::new().read(true).write(true).open(pty.path()).unwrap();
+        let mut lines = BufReader::new(file.try_clone().unwrap()).lines().map(|l| l.unwrap());
+        let mut next = || lines.find(|l| !l.trim().is_empty()).unwrap().trim().to_string();
+        assert_eq!(next(), "Grbl 1.1h ['$' for help]");
+        file.write_all(b"\r\n\r\n").unwrap();
+        for _ in 0..4 {
+            assert_eq!(next(), "ok");
+        }
+        for k in 0..60 {
+            file.write_all(format!("G1 X{}.5 Y{k} F2000\n", k % 5).as_bytes()).unwrap();
+            assert_eq!(next(), "ok", "line {k} of job {job}");
+        }
+        file.write_all(b"G4 P0\n?").unwrap();
+        let mut said = next();
+        while !said.starts_with("<Idle|MPos:4.500,59.000,0.000|") {
+            file.write_all(b"?").unwrap();
+            said = next();
+        }
+    }
+    assert_eq!(pty.readout().bytes_lost, 0);
+}
+
 /// A session-like exchange with faults, in virtual time, by the wall clock of nobody: twice the same.
 #[test]
 fn faults_replay_without_any_front() {
