@@ -396,6 +396,21 @@ fn settings_of_a_file_are_the_controllers() {
     // Not served: how to reach it was not said.
     let mut out = Vec::new();
     assert_eq!(run_until(&args, &mut out, &AtomicBool::new(false)), 2);
+    let kept = dir.path().join("eeprom.txt").display().to_string();
+    // Homing finds its switches, and what is set stays for the next run.
+    std::fs::write(&path, "$110=1234\n$22=1\n$130=30\n$131=30\n$132=30\n$25=1500\n").unwrap();
+    let (code, _, said) = controller(&["--settings", &path, "--eeprom", &kept], "$H\nG10L2P2X-1.5Y-2Z-3\n$N0=G55\n$13=1\n?");
+    assert_eq!(code, 0);
+    assert!(said.contains("unlock]\r\n"), "{said}");
+    let text = std::fs::read_to_string(&kept).unwrap();
+    assert!(text.contains("$13=1\n") && text.contains("$N0=G55\n") && text.contains("\nG55=-1.5,-2,-3\n"), "{text}");
+    let (_, _, said) = controller(&["--eeprom", &kept], "$H\n$$\n$#");
+    assert!(said.contains("$13=1\r\n") && said.contains("$110=1234.000\r\n"), "{said}");
+    assert!(said.contains("[G55:-0.0591,-0.0787,-0.1181]"), "{said}");
+    assert!(said.contains(">G55:ok"), "{said}");
+    std::fs::write(&kept, "$110=1e3x").unwrap();
+    assert_eq!(controller(&["--eeprom", &kept], "").0, 2);
+    std::fs::write(&path, "$110=1234\n$22=0\n$13=0\n").unwrap();
     let (code, _, said) = controller(&["--settings", &path], "$$");
     assert_eq!(code, 0);
     assert!(said.contains("$110=1234.000\r\n$111=4000.000"), "{said}");
