@@ -216,7 +216,10 @@ impl Block {
         let key = match (rules.firmware, whole) {
             // GRBL does not look at the fraction of G49.
             (true, 49) => Some(4900),
-            (true, _) => u32::try_from(i64::from(whole) * 100 + hundredths).ok(),
+            // A figure with any number of digits may stand there: what overflows is no code.
+            (true, _) => (i64::from(whole) * 100)
+                .checked_add(hundredths)
+                .and_then(|key| u32::try_from(key).ok()),
             (false, _) => hundredths_of(word.value),
         };
         let meaning = key.and_then(|k| rules.g(k));
