@@ -27,6 +27,7 @@ struct Slice {
     duration: f64,
     from: Point,
     to: Point,
+    rapid: bool,
     /// The whole block, steps.
     block: ([i64; 3], [i64; 3]),
 }
@@ -52,6 +53,8 @@ pub struct Motion {
     resting: bool,
     /// Slow down to a stand, wherever that is.
     holding: bool,
+    /// What was last run was a rapid move.
+    ran_rapid: bool,
     /// How long the first slices take to prepare, s.
     start_delay: f64,
 }
@@ -72,6 +75,7 @@ impl Motion {
             going: false,
             resting: false,
             holding: false,
+            ran_rapid: false,
             start_delay: 0.0,
         }
     }
@@ -172,6 +176,11 @@ impl Motion {
         self.going && self.slices.front().is_some_and(|s| s.from != s.to)
     }
 
+    /// What the axes did last was a rapid move.
+    pub fn ran_rapid(&self) -> bool {
+        self.ran_rapid
+    }
+
     /// A hold is in force.
     pub fn is_holding(&self) -> bool {
         self.holding
@@ -197,6 +206,7 @@ impl Motion {
                     from: self.position,
                     to: self.position,
                     block: self.block.unwrap_or((steps, steps)),
+                    rapid: false,
                 });
             }
             self.going = true;
@@ -276,6 +286,7 @@ impl Motion {
             return;
         };
         self.run += dt;
+        let before = self.position;
         self.block = Some(slice.block);
         if self.run >= slice.duration - super::SAME_MOMENT {
             self.position = slice.to;
@@ -284,6 +295,9 @@ impl Motion {
             self.prepare();
         } else {
             self.position = slice.from + (slice.to - slice.from) * (self.run / slice.duration);
+        }
+        if self.position != before {
+            self.ran_rapid = slice.rapid;
         }
     }
 
@@ -304,6 +318,7 @@ impl Motion {
                     duration: delay,
                     from: self.position,
                     to: self.position,
+                    rapid: false,
                     block: self.block.unwrap_or((steps, steps)),
                 });
             } else {
@@ -342,6 +357,7 @@ impl Motion {
             profile.speed_at(time)
         };
         let end = self.planner.point_of_steps(&block.to_steps);
+        let rapid = block.speed == Speed::Rapid;
         if remaining <= NOTHING {
             self.head = end;
             self.planner.pop();
@@ -360,6 +376,7 @@ impl Motion {
             duration: time,
             from,
             to: self.head,
+            rapid,
             block: steps,
         });
         true
