@@ -6,8 +6,10 @@
 //! controller: simulated and real hardware differ by nothing but the port.
 
 pub mod job;
+pub mod journal;
 pub mod outcome;
 pub mod port;
+pub mod resume;
 pub mod session;
 pub mod stream;
 
