@@ -5,12 +5,14 @@
 //! time: no I/O, no clock, no printing; [`port`] is the only file that touches a device. It must never know the simulated
 //! controller: simulated and real hardware differ by nothing but the port.
 
+pub mod introduction;
 pub mod job;
 pub mod outcome;
 pub mod port;
 pub mod session;
 pub mod stream;
 
+pub use introduction::{Introduction, IntroductionOptions, Known, Offsets, Unknown, WhenSilent};
 pub use job::{Job, JobError, JobLine, Refusal};
 pub use outcome::{Command, Ending, Outcome, Progress};
 pub use port::{Port, PortError, SerialPort};

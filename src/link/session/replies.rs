@@ -21,14 +21,14 @@ impl Session {
         }
         match self.phase.clone() {
             Phase::Greeting => {
-                if let Reply::Welcome { firmware, version } = reply {
+                if let Reply::Welcome { firmware, version, .. } = reply {
                     self.version = format!("{firmware} {version}");
                     self.enter(Phase::Asking, now);
                 }
             }
             Phase::Asking => match reply {
                 Reply::Status(status) => self.first_look(&status.state, now),
-                Reply::Welcome { firmware, version } => {
+                Reply::Welcome { firmware, version, .. } => {
                     self.version = format!("{firmware} {version}")
                 }
                 _ => {}
@@ -128,7 +128,7 @@ impl Session {
         match reply {
             Reply::Options(build) => self.build = build.clone(),
             Reply::Version(version) => self.version = version.clone(),
-            Reply::Modes(modes) => self.modes = modes.clone(),
+            Reply::Modes(modes) => self.modes = modes.to_string(),
             Reply::Setting { number, value } => {
                 if let Ok(value) = value.trim().parse::<f64>() {
                     self.settings.push((*number, value));
