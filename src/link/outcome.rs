@@ -1,59 +1,8 @@
-//! What a session tells while it runs, and how it ended.
+//! How a session ended.
 
 use super::stream::StreamError;
-use crate::wire::{State, alarm_meaning, error_meaning};
+use crate::wire::{alarm_meaning, error_meaning};
 use std::fmt;
-
-/// What the operator wants.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Command {
-    /// Feed hold.
-    Hold,
-    /// Resume from a hold (once it has come to rest).
-    Resume,
-    /// Stop the job: hold, wait for standstill, reset. The position is kept.
-    Stop,
-    /// Reset at once, even in motion. The position is lost then.
-    ResetNow,
-}
-
-/// News, in this order: `Connected`, notes, `Started`, then any mix of the others.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Progress {
-    /// The controller has introduced itself.
-    Connected {
-        /// Its version line, or its greeting.
-        version: String,
-        /// Bytes of receive buffer the stream counts with.
-        rx_bytes: usize,
-    },
-    /// Something to tell the operator; the job goes on.
-    Note(String),
-    /// The first line goes out.
-    Started {
-        /// Lines of the job.
-        total: usize,
-    },
-    /// A status report came in.
-    Report {
-        /// Lines sent.
-        sent: usize,
-        /// Lines answered.
-        acknowledged: usize,
-        /// Lines of the job.
-        total: usize,
-        /// State of the machine.
-        state: State,
-        /// Work position, mm, once it is known.
-        position: Option<[f64; 3]>,
-        /// Speed along the path, mm/min.
-        feed: Option<f64>,
-    },
-    /// The program (M0), a button or noise holds the machine: resume when ready.
-    Paused(String),
-    /// The stop procedure has begun, and why.
-    Stopping(String),
-}
 
 /// How a session ended.
 #[derive(Clone, Debug, PartialEq)]

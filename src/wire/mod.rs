@@ -5,14 +5,18 @@
 //! G-code or kinematics. Source of every fact: GRBL 1.1h's interface as documented and observed; other firmwares may say more,
 //! so unknown lines and fields are kept or skipped and an unknown state means "not ready".
 
+pub mod firmware;
 pub mod lines;
 pub mod meaning;
+pub mod modes;
 pub mod realtime;
 pub mod reply;
 pub mod status;
 
+pub use firmware::Firmware;
 pub use lines::Lines;
 pub use meaning::{Meaning, alarm_meaning, error_meaning};
+pub use modes::Modes;
 pub use realtime::Realtime;
 pub use reply::{BuildOptions, Reply};
 pub use status::{Buffer, DoorPhase, Overrides, Position, State, Status};

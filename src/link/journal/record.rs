@@ -56,6 +56,8 @@ pub struct Begin {
     pub machine: String,
     /// What the controller says it is.
     pub firmware: String,
+    /// Name of the dialect it reads ([`crate::gcode::Dialect::name`]).
+    pub dialect: String,
     /// `$$`: number and value.
     pub settings: Vec<(u16, f64)>,
     /// What the machine remembered at line 1. A resumed job hands on that of the first.

@@ -14,7 +14,9 @@
 mod replies;
 
 use super::job::{Job, JobLine};
-use super::outcome::{Command, Ending, Outcome, Progress};
+use super::command::Command;
+use super::outcome::{Ending, Outcome};
+use super::progress::Progress;
 use super::port::Port;
 use super::stream::Stream;
 use crate::wire::{BuildOptions, Lines, Realtime, Reply, State};

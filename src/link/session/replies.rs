@@ -2,7 +2,8 @@
 
 use super::{MODES, Phase, QUESTIONS, Session};
 use crate::link::job::JobLine;
-use crate::link::outcome::{Ending, Progress};
+use crate::link::outcome::Ending;
+use crate::link::progress::{Progress, Report};
 use crate::link::stream::{Receipt, Stream};
 use crate::wire::{DoorPhase, Position, Realtime, Reply, State, Status};
 use std::time::Duration;
@@ -21,14 +22,14 @@ impl Session {
         }
         match self.phase.clone() {
             Phase::Greeting => {
-                if let Reply::Welcome { firmware, version } = reply {
+                if let Reply::Welcome { firmware, version, .. } = reply {
                     self.version = format!("{firmware} {version}");
                     self.enter(Phase::Asking, now);
                 }
             }
             Phase::Asking => match reply {
                 Reply::Status(status) => self.first_look(&status.state, now),
-                Reply::Welcome { firmware, version } => {
+                Reply::Welcome { firmware, version, .. } => {
                     self.version = format!("{firmware} {version}")
                 }
                 _ => {}
@@ -88,14 +89,22 @@ impl Session {
         if let (Some(stream), Phase::Streaming | Phase::Stopping { .. }) =
             (&self.stream, &self.phase)
         {
-            self.news.push(Progress::Report {
+            self.news.push(Progress::Report(Box::new(Report {
                 sent: stream.sent(),
                 acknowledged: stream.acknowledged(),
                 total: stream.total(),
+                source: stream.unanswered().first().map_or(0, |l| l.source),
                 state: status.state.clone(),
                 position: self.position,
+                machine_position: None,
                 feed: status.feed.map(|f| f * unit),
-            });
+                speed: status.speed,
+                overrides: status.overrides,
+                accessories: status.accessories.clone(),
+                pins: status.pins.clone(),
+                buffer: status.buffer,
+                in_flight: stream.in_flight(),
+            })));
         }
     }
 
@@ -128,7 +137,7 @@ impl Session {
         match reply {
             Reply::Options(build) => self.build = build.clone(),
             Reply::Version(version) => self.version = version.clone(),
-            Reply::Modes(modes) => self.modes = modes.clone(),
+            Reply::Modes(modes) => self.modes = modes.to_string(),
             Reply::Setting { number, value } => {
                 if let Ok(value) = value.trim().parse::<f64>() {
                     self.settings.push((*number, value));
@@ -155,10 +164,10 @@ impl Session {
 
     fn start(&mut self, now: Duration) {
         let rx_bytes = self.build.rx.unwrap_or(self.options.rx_bytes);
-        self.news.push(Progress::Connected {
-            version: self.version.clone(),
-            rx_bytes,
-        });
+        let mut known = crate::link::Introduction::new(crate::link::IntroductionOptions::default(), now).known().clone();
+        known.version.clone_from(&self.version);
+        known.rx_bytes = rx_bytes;
+        self.news.push(Progress::Connected(Box::new(known)));
         for (number, promised) in self.options.settings.clone() {
             match self.settings.iter().find(|s| s.0 == number) {
                 Some((_, actual)) if (actual - promised).abs() > 1e-3 + promised.abs() * 1e-3 => self.note(&format!(
