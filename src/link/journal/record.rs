@@ -60,10 +60,8 @@ pub struct Begin {
     pub dialect: String,
     /// `$$`: number and value.
     pub settings: Vec<(u16, f64)>,
-    /// What the machine remembered at line 1. A resumed job hands on that of the first.
+    /// What the machine remembered at line 1. A resumed job hands on that of the first, as [`crate::link::resume::Plan::start`] has it.
     pub start: Start,
-    /// Offsets when this job began; for a first job the same as in `start`.
-    pub offsets: Offsets,
     /// Receive buffer of the controller, bytes.
     pub rx_bytes: usize,
     /// Blocks of look-ahead.
@@ -177,7 +175,6 @@ impl Record {
                 b.settings.iter().all(|(_, v)| v.is_finite())
                     && all(&b.start.position)
                     && offsets(&b.start.offsets)
-                    && offsets(&b.offsets)
                     && all(&[b.bytes_per_s])
             }
             Record::Report {

@@ -1,8 +1,7 @@
 #![allow(clippy::unwrap_used)]
 //! What is written is read, and what is spoilt is told.
 
-use super::super::record::Offsets;
-use super::super::{Begin, Damage, FORMAT, Record, ToolChange, Writer, read};
+use super::super::{Begin, Damage, FORMAT, Offsets, Record, Start, ToolChange, Writer, read};
 use super::{Doubt, History};
 use proptest::prelude::*;
 use std::time::Duration;
@@ -13,9 +12,12 @@ fn begin() -> Record {
         program: "a b \"c\" \u{e4}.nc".into(),
         lines: 1000,
         settings: vec![(0, 10.0), (100, 250.0), (110, 0.1 + 0.2)],
-        offsets: Offsets {
-            tlo: -12.345,
-            ..Offsets::default()
+        start: Start {
+            offsets: Offsets {
+                tlo: -12.345,
+                ..Offsets::default()
+            },
+            ..Start::default()
         },
         ..Begin::default()
     }))
@@ -179,7 +181,8 @@ proptest! {
         prop_assert!(h.damage != Damage::None);
         prop_assert_eq!(&h, &History { damage: h.damage, ..expected });
         if at + 1 < marks.last().unwrap().0 {
-            prop_assert!(matches!(h.damage, Damage::Broken { .. }), "{:?}", h.damage);
+            let broken = matches!(h.damage, Damage::Broken { .. });
+            prop_assert!(broken, "{:?}", h.damage);
             prop_assert!(h.all_doubts().contains(&Doubt::Damaged));
         }
     }
@@ -189,6 +192,10 @@ proptest! {
         let (bytes, _) = written(&records);
         let text = String::from_utf8(bytes).unwrap();
         let kept: String = text.split_inclusive('\n').enumerate().filter(|(i, _)| *i != which).map(|(_, l)| l).collect();
-        prop_assert!(matches!(history(kept.as_bytes()).damage, Damage::Broken { line, .. } if line == which as u64 + 1));
+        let told = match history(kept.as_bytes()).damage {
+            Damage::Broken { line, .. } => line,
+            _ => 0,
+        };
+        prop_assert_eq!(told, which as u64 + 1);
     }
 }
