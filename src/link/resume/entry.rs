@@ -120,7 +120,7 @@ pub fn entry(
         moves += 1;
     }
     let found = back.pop_front().ok_or(Refusal::NoEntry { line: first })?;
-    let overlap_mm = match found.entry.line <= first {
+    let overlap_mm = match found.entry.line < first {
         true => path - found.path,
         false => 0.0,
     };
