@@ -122,18 +122,14 @@ impl Session {
     }
 
     fn resume_wanted(&mut self, now: Duration) {
-        if self.waiting.is_some() {
-            if self.prompt_told {
-                (self.waiting, self.prompt_told) = (None, false);
-                self.restore_modes();
-                self.news.push(Progress::Resumed);
-            }
-            return;
-        }
         let held = matches!(self.state(), State::Hold { .. } | State::Door(_));
         if held || self.hold_asked || self.prompt_under_way().is_some() {
             self.resume = Some(Resume::Waits);
             self.go_on(now);
+        } else if self.tool_change().is_some() {
+            (self.waiting, self.prompt_told) = (None, false);
+            self.restore_modes();
+            self.news.push(Progress::Resumed);
         } else {
             self.note("nothing is on hold: there is nothing to resume");
         }
