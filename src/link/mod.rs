@@ -6,6 +6,7 @@
 //! controller: simulated and real hardware differ by nothing but the port.
 
 pub mod command;
+pub mod drive;
 pub mod introduction;
 pub mod job;
 pub mod journal;
@@ -15,12 +16,17 @@ pub mod progress;
 pub mod resume;
 pub mod session;
 pub mod stream;
+pub mod vet;
 
 pub use command::{Command, RapidStep, Step};
+pub use drive::{NotIntroduced, drive, introduce};
 pub use introduction::{Introduction, IntroductionOptions, Known, Offsets, Unknown, WhenSilent};
-pub use job::{Job, JobError, JobLine, Refusal};
+pub use job::{
+    Job, JobLine, JobLines, JobReader, JobSource, Standstill, Text, Unreadable, Weight,
+};
 pub use outcome::{Ending, Outcome};
 pub use port::{Port, PortError, SerialPort};
 pub use progress::{Progress, Prompt, PromptKind, Report, Span, Stall};
-pub use session::{Session, SessionOptions, drive};
-pub use stream::{Receipt, Stream, StreamError};
+pub use session::{Session, SessionOptions};
+pub use stream::{Flight, Receipt, Stream, StreamError, Waits};
+pub use vet::{Caution, JobError, Limits, Refusal, VetOptions, Warning, vet};
