@@ -70,6 +70,8 @@ pub struct Begin {
     pub bytes_per_s: f64,
     /// Something that is different after each start of this computer, where it can be had.
     pub boot: Option<String>,
+    /// Lines that begin with `/` were left out; otherwise they were sent, as GRBL takes them.
+    pub skips_slashed: bool,
     /// The job takes up an earlier one.
     pub resumed: Option<Resumed>,
 }

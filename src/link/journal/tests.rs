@@ -87,7 +87,7 @@ fn a_record_is_a_line_that_people_can_read() {
     let first = lines.next().unwrap();
     assert!(first.starts_with("0 ") && first.contains(r#""event":"begin","format":1,"program":"a b \"c\" ä.nc""#), "{first}");
     let second = lines.next().unwrap();
-    assert_eq!(second, r#"1 f6a1f3c1 {"t":1.5,"event":"alarm","code":1}"#);
+    assert_eq!(second, r#"1 e542e753 {"t":1.5,"event":"alarm","code":1}"#);
     assert_eq!(lines.next(), None);
     assert_eq!(history(text.as_bytes()).begin, match begin() {
         Record::Begin(b) => Some(*b),

@@ -1,7 +1,7 @@
 //! Is this the same program on the same machine, and does the machine stand where its controller believes it stands?
 
 use super::refusal::Refusal;
-use super::walk::Walk;
+use super::walk::Program;
 use super::zones::Zones;
 use crate::gcode::State;
 use crate::geom::{Point, Vector, nearest_on_segment};
@@ -240,7 +240,7 @@ fn from_path(
     zones: &Zones,
     place: &Point,
 ) -> Result<f64, Refusal> {
-    let mut walk = Walk::new(text, begin.start_state(), &history.tool_changes);
+    let mut walk = Program::of(text, history, begin).walk();
     let mut nearest = f64::INFINITY;
     while let Some(step) = walk.step() {
         let line = step.map_err(Refusal::Unreadable)?;
@@ -283,7 +283,7 @@ pub(super) fn offsets(
     now: &Now,
     trust: Trust,
 ) -> Result<[Vector; 6], Refusal> {
-    let mut walk = Walk::new(text, begin.start_state(), &history.tool_changes);
+    let mut walk = Program::of(text, history, begin).walk();
     let mut before = Offsets::stored(walk.state());
     while let Some(step) = walk.step() {
         let line = step.map_err(Refusal::Unreadable)?;
