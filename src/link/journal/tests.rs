@@ -50,11 +50,11 @@ fn some_record() -> impl Strategy<Value = Record> {
             rapid: 50,
             spindle
         }),
-        (line, proptest::option::of(-9.0..9.0f64)).prop_map(|(line, length)| {
+        (line, proptest::option::of(-9.0..9.0f64)).prop_map(|(line, tlo)| {
             Record::ToolChange(ToolChange {
                 line,
                 tool: Some(2),
-                length,
+                offsets: tlo.map(|tlo| Offsets { tlo, ..Offsets::default() }),
             })
         }),
         (0u16..30).prop_map(|code| Record::Alarm { code }),
@@ -110,6 +110,7 @@ fn a_journal_adds_up() {
             how: "ALARM:1".into(),
             done: false,
             position_kept: false,
+            at_rest: true,
         },
     ];
     let (bytes, _) = written(&records);

@@ -112,7 +112,7 @@ pub enum Trust {
 /// Why the position is trusted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Evidence {
-    /// The machine stands on the path of the zone that may have been cut, and nothing happened to make it lose steps.
+    /// The machine stands where the job can have stopped, and nothing happened to make it lose steps.
     OnPath,
     /// It has just been homed.
     Homed,
@@ -232,7 +232,9 @@ pub(super) fn position(
     }
 }
 
-/// How far a machine position is from the path of the middle zone, mm.
+/// How far a machine position is from where the job can have stopped, mm: from the path of the middle zone when the sender saw it come to
+/// rest; otherwise from the ends of those lines that can have been the last to arrive, since the machine did all it had. (An alarm that
+/// nobody saw stops it between two ends.)
 fn from_path(
     text: &str,
     begin: &Begin,
@@ -246,6 +248,13 @@ fn from_path(
         let line = step.map_err(Refusal::Unreadable)?;
         if line > zones.last {
             break;
+        }
+        if !history.at_rest {
+            if line >= history.acknowledged {
+                let end = walk.state().machine_position();
+                nearest = nearest.min((end - place).norm());
+            }
+            continue;
         }
         // Where the line before the zone ends is a place to stop at too; a motion's start covers it.
         if line < zones.first {

@@ -3,9 +3,9 @@
 
 use super::entry::{Entry, length};
 use super::refusal::Refusal;
-use super::walk::{Program, fresh};
+use super::walk::{Program, fresh, measured};
 use crate::gcode::{Event, FeedMode, Motion, MotionKind, MotionMode, State, interpret_line};
-use crate::link::journal::{Offsets, ToolChange};
+use crate::link::journal::Offsets;
 
 /// Rounding of the words of the way in, mm: they have five decimals.
 const ROUNDING: f64 = 3e-5;
@@ -74,10 +74,9 @@ pub fn prove(
         if straight.changed_tool() {
             resumed.spindle = 0;
         }
-        if let Some(length) = length_set(changes, line) {
-            let here = resumed.machine_position();
-            resumed.tlo = length;
-            resumed.set_machine_position(&here);
+        let change = changes.iter().rev().find(|c| c.line == line);
+        if let Some(offsets) = change.and_then(|c| c.offsets) {
+            measured(&mut resumed, &offsets);
         }
         if events.len() != straight.events().len() {
             return Err(unproven(line, "it does more or less"));
@@ -97,11 +96,6 @@ pub fn prove(
         return Err(unproven(entry.line, "the line is not there"));
     }
     Ok(proof)
-}
-
-fn length_set(changes: &[ToolChange], line: usize) -> Option<f64> {
-    let change = changes.iter().rev().find(|c| c.line == line)?;
-    change.length
 }
 
 /// The states before the entry agree in all but the motion mode and T, which GRBL forgets with each line.

@@ -12,7 +12,7 @@ pub struct Program<'a> {
     pub text: &'a str,
     /// What the machine remembers before line 1.
     pub start: State,
-    /// Tool changes that were made: one that set a tool length did so behind its line.
+    /// Tool changes that were made: one that changed offsets did so behind its line.
     pub changes: &'a [ToolChange],
     /// Lines that begin with `/` are left out.
     pub skips_slashed: bool,
@@ -93,10 +93,8 @@ impl<'a> Walk<'a> {
             self.state.spindle = 0;
         }
         let set = |c: &&ToolChange| c.line == self.line;
-        if let Some(length) = self.changes.iter().rev().find(set).and_then(|c| c.length) {
-            let here = self.state.machine_position();
-            self.state.tlo = length;
-            self.state.set_machine_position(&here);
+        if let Some(offsets) = self.changes.iter().rev().find(set).and_then(|c| c.offsets) {
+            measured(&mut self.state, &offsets);
         }
         Some(Ok(self.line))
     }
@@ -231,6 +229,15 @@ impl Start {
         }
         state
     }
+}
+
+/// The offsets behind a tool change. Nothing moves.
+pub(super) fn measured(state: &mut State, offsets: &Offsets) {
+    let here = state.machine_position();
+    state.g5x = offsets.g5x.map(Vector::from);
+    state.g92 = Vector::from(offsets.g92);
+    state.tlo = offsets.tlo;
+    state.set_machine_position(&here);
 }
 
 /// A machine with the modes of a reset, these offsets, standing there.
