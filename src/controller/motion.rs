@@ -23,6 +23,7 @@ struct Slice {
     duration: f64,
     from: Point,
     to: Point,
+    rapid: bool,
 }
 
 /// The axes and their queue.
@@ -44,6 +45,8 @@ pub struct Motion {
     resting: bool,
     /// Slow down to a stand, wherever that is.
     holding: bool,
+    /// What was last run was a rapid move.
+    ran_rapid: bool,
 }
 
 impl Motion {
@@ -61,6 +64,7 @@ impl Motion {
             going: false,
             resting: false,
             holding: false,
+            ran_rapid: false,
         }
     }
 
@@ -69,10 +73,18 @@ impl Motion {
         self.position
     }
 
-    /// The same in whole steps, as the firmware counts and reports it, mm.
-    pub fn position_in_steps(&self) -> Point {
+    /// A place in whole steps, as the firmware counts and reports it, mm.
+    pub fn steps_at(&self, place: &Point) -> Point {
         self.planner
-            .point_of_steps(&self.planner.steps_of_point(&self.position))
+            .point_of_steps(&self.planner.steps_of_point(place))
+    }
+
+    /// Seconds until a coordinate comes to `at` within the slice that runs now; `None` if it does not, or stands there already.
+    pub fn reach(&self, axis: usize, at: f64) -> Option<f64> {
+        let slice = self.slices.front().filter(|_| self.going)?;
+        let (from, to, now) = (slice.from[axis], slice.to[axis], self.position[axis]);
+        let ahead = (at - now) * (to - from) > 0.0 && (at - to) * (at - now) <= 0.0;
+        ahead.then(|| (slice.duration * (at - from) / (to - from) - self.run).max(0.0))
     }
 
     /// Path speed at the end of what is prepared, mm/s: what the firmware reports as speed.
@@ -94,6 +106,11 @@ impl Motion {
         self.planner.is_empty() && self.slices.is_empty()
     }
 
+    /// No block is queued, and at most the motors are being held at the end of a motion.
+    pub fn is_empty_but_rest(&self) -> bool {
+        self.planner.is_empty() && (self.slices.is_empty() || self.resting)
+    }
+
     /// A cycle is in progress: axes move, are about to, or have just stopped.
     pub fn going(&self) -> bool {
         self.going
@@ -102,6 +119,11 @@ impl Motion {
     /// The axes move now.
     pub fn moving(&self) -> bool {
         self.going && self.slices.front().is_some_and(|s| s.from != s.to)
+    }
+
+    /// What the axes did last was a rapid move.
+    pub fn ran_rapid(&self) -> bool {
+        self.ran_rapid
     }
 
     /// A hold is in force.
@@ -192,6 +214,7 @@ impl Motion {
             return;
         };
         self.run += dt;
+        let before = self.position;
         if self.run >= slice.duration - super::SAME_MOMENT {
             self.position = slice.to;
             self.slices.pop_front();
@@ -199,6 +222,9 @@ impl Motion {
             self.prepare();
         } else {
             self.position = slice.from + (slice.to - slice.from) * (self.run / slice.duration);
+        }
+        if self.position != before {
+            self.ran_rapid = slice.rapid;
         }
     }
 
@@ -218,6 +244,7 @@ impl Motion {
                     duration: delay,
                     from: self.position,
                     to: self.position,
+                    rapid: false,
                 });
             } else {
                 self.resting = false;
@@ -254,6 +281,7 @@ impl Motion {
             profile.speed_at(time)
         };
         let end = self.planner.point_of_steps(&block.to_steps);
+        let rapid = block.speed == Speed::Rapid;
         if remaining <= NOTHING {
             self.head = end;
             self.planner.pop();
@@ -272,6 +300,7 @@ impl Motion {
             duration: time,
             from,
             to: self.head,
+            rapid,
         });
         true
     }
