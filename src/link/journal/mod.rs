@@ -28,7 +28,6 @@ mod allowance;
 mod file;
 mod history;
 mod keeper;
-mod kept;
 mod line;
 mod reader;
 mod record;
@@ -38,7 +37,6 @@ pub use allowance::Allowance;
 pub use file::{JournalFile, SYNC_GAP};
 pub use history::{Doubt, History};
 pub use keeper::{Keeper, Turn};
-pub use kept::{Keep, drive_kept};
 pub use reader::{Damage, read};
 pub use record::{
     Begin, FORMAT, Offsets, Record, Resumed, Start, Stamped, ToolChange, fingerprint,
