@@ -18,10 +18,19 @@ pub struct ControllerArgs {
     /// Times real time, or `max` for as fast as the sender keeps up
     #[arg(long, value_name = "N|max", default_value = "1", value_parser = pace)]
     pub speed: Pace,
+    /// Replay recordings of a real controller (JSON lines) and print each with what the simulated one answers
+    #[arg(long, value_name = "FILE.jsonl")]
+    pub replay: Option<std::path::PathBuf>,
+    /// With --replay: print only what differs; exit 1 if anything does
+    #[arg(long, requires = "replay")]
+    pub compare: bool,
 }
 
 /// Serves until Ctrl-C; the path to open is the only line on `out`. Returns the exit code.
 pub fn run(args: &ControllerArgs, out: &mut dyn Write) -> u8 {
+    if let Some(file) = &args.replay {
+        return super::replay::run(file, args.compare, out);
+    }
     match serve(args, out) {
         Ok(()) => 0,
         Err(message) => {

@@ -17,6 +17,7 @@ pub mod post;
 pub mod posts;
 mod progress;
 mod proven;
+mod replay;
 mod rest_picture;
 pub mod send;
 mod show;
@@ -53,8 +54,8 @@ enum Command {
     Send(Box<send::SendArgs>),
     /// Serves a simulated GRBL controller on a pseudo-terminal
     Controller(Box<controller::ControllerArgs>),
-    /// The serial ports of this computer
-    Ports,
+    /// The serial ports of this computer, and which look like a GRBL board
+    Ports(ports::PortsArgs),
     /// What the reader understands of each controller's G-code, and what it refuses
     Dialects(dialects::DialectsArgs),
     /// The G-code dialects: list, show, check and begin your own
@@ -102,7 +103,7 @@ pub fn main() -> ExitCode {
         Command::Translate(a) => translate::run(&a),
         Command::Send(a) => Ok(ExitCode::from(send::run(&a, &mut std::io::stdout()))),
         Command::Controller(a) => Ok(ExitCode::from(controller::run(&a, &mut std::io::stdout()))),
-        Command::Ports => Ok(ExitCode::from(ports::run(&mut std::io::stdout()))),
+        Command::Ports(a) => Ok(ExitCode::from(ports::run(&a, &mut std::io::stdout()))),
         Command::Dialects(a) => dialects::run(&a),
         Command::Posts(a) => posts::run(&a),
         Command::Machines(a) => machines::run(&a),

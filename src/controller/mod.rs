@@ -29,11 +29,16 @@ mod dollar;
 mod execute;
 pub mod intake;
 pub mod motion;
+pub mod pins;
+pub mod profile;
 pub mod pty;
 mod realtime;
+pub mod replay;
 mod report;
 pub mod settings;
 
+pub use pins::{Pins, Switches};
+pub use profile::{Profile, Quirks};
 pub use pty::{Pace, Pty, PtyError, Readout};
 pub use settings::Memory;
 
@@ -53,15 +58,28 @@ pub struct Build {
     pub blocks: usize,
     /// Bytes of receive buffer.
     pub rx_bytes: usize,
+    /// Whose firmware.
+    pub profile: Profile,
+    /// Its oddities.
+    pub quirks: Quirks,
+}
+
+impl Build {
+    /// A firmware as shipped.
+    pub fn of_profile(profile: Profile) -> Build {
+        Build {
+            blocks: 15,
+            rx_bytes: profile.rx_bytes(),
+            profile,
+            quirks: Quirks::default(),
+        }
+    }
 }
 
 impl Default for Build {
     /// GRBL 1.1h on an Uno as shipped.
     fn default() -> Self {
-        Build {
-            blocks: 15,
-            rx_bytes: crate::wire::RX_BYTES,
-        }
+        Build::of_profile(Profile::default())
     }
 }
 
@@ -148,6 +166,8 @@ pub struct Controller {
     first_motion: Option<f64>,
     last_motion: f64,
     soft_limit: bool,
+    pins: Pins,
+    switches: Switches,
 }
 
 impl Controller {
@@ -161,6 +181,7 @@ impl Controller {
         let build = Build {
             blocks: machine.planner_blocks,
             rx_bytes: machine.rx_buffer,
+            ..Build::default()
         };
         Controller::with_build(Memory::of_machine(machine), build)
     }
@@ -194,6 +215,8 @@ impl Controller {
             first_motion: None,
             last_motion: 0.0,
             soft_limit: false,
+            pins: Pins::default(),
+            switches: Switches::default(),
         };
         if controller.memory.is_on(22) {
             controller.mode = Mode::Alarm;
@@ -257,6 +280,28 @@ impl Controller {
             }
         }
         self.work();
+    }
+
+    /// Holds the input pins so from now on.
+    pub fn set_pins(&mut self, pins: Pins) {
+        self.pins = pins;
+        self.work();
+    }
+
+    /// The input pins as they were last set.
+    pub fn pins(&self) -> Pins {
+        self.pins
+    }
+
+    /// Mounts switches that the axes close by themselves.
+    pub fn set_switches(&mut self, switches: Switches) {
+        self.switches = switches;
+        self.work();
+    }
+
+    /// What the build has.
+    pub fn build(&self) -> Build {
+        self.build
     }
 
     /// Lets machine time pass.

@@ -9,10 +9,12 @@ pub mod data;
 pub mod family;
 mod file;
 pub mod search;
+pub mod settings_file;
 
 pub use built_in::BUILT_IN;
 pub use data::{DataError, Place};
 pub use family::{CONTROLLERS, Family};
+pub use settings_file::SettingsFile;
 
 use crate::units::{Mm, MmPerMin, MmPerSec2, Rpm};
 

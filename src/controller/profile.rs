@@ -1,0 +1,107 @@
+//! Which firmware is played, and which of its oddities.
+
+/// The firmware played.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Profile {
+    /// GRBL 1.1h (20190830), default build on an Uno.
+    #[default]
+    Grbl11h,
+    /// GRBL 1.1f (20170801), default build on an Uno.
+    Grbl11f,
+    /// grblHAL: what a sender must notice of it.
+    GrblHal,
+    /// FluidNC: what a sender must notice of it.
+    FluidNc,
+}
+
+impl Profile {
+    /// Every profile there is.
+    pub const ALL: [Profile; 4] = [
+        Profile::Grbl11h,
+        Profile::Grbl11f,
+        Profile::GrblHal,
+        Profile::FluidNc,
+    ];
+
+    /// Its name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Profile::Grbl11h => "grbl-1.1h",
+            Profile::Grbl11f => "grbl-1.1f",
+            Profile::GrblHal => "grblhal",
+            Profile::FluidNc => "fluidnc",
+        }
+    }
+
+    /// Bytes of its receive buffer.
+    pub fn rx_bytes(self) -> usize {
+        match self {
+            Profile::GrblHal => 1024,
+            Profile::Grbl11h | Profile::Grbl11f | Profile::FluidNc => crate::wire::RX_BYTES,
+        }
+    }
+}
+
+/// A name that is no profile.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("no firmware {0:?} is simulated: name one of grbl-1.1h, grbl-1.1f, grblhal, fluidnc")]
+pub struct UnknownProfile(pub String);
+
+impl std::str::FromStr for Profile {
+    type Err = UnknownProfile;
+
+    fn from_str(text: &str) -> Result<Profile, UnknownProfile> {
+        Profile::ALL
+            .into_iter()
+            .find(|p| p.name() == text)
+            .ok_or_else(|| UnknownProfile(text.to_string()))
+    }
+}
+
+/// Oddities that can be switched off (or on) one by one. The default is the firmware as shipped.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Quirks {
+    /// An `ok` for the line that was cut off comes before the welcome of a reset.
+    pub stray_ok: bool,
+    /// CR LF counts as two line ends and gets two answers.
+    pub crlf_twice: bool,
+    /// Bytes that do not fit the receive ring vanish without a sign.
+    pub silent_overflow: bool,
+    /// Bytes that arrive while settings or offsets are written may be lost.
+    pub eeprom_byte_loss: bool,
+    /// G10, G28.1 and G30.1 write in check mode too.
+    pub check_writes: bool,
+    /// `$J=F100` without axis words drives to machine zero.
+    pub jog_to_zero: bool,
+    /// `$HX` without single-axis homing leaves the state stuck in Home.
+    pub home_axis_wedge: bool,
+    /// `~` is lost while a hold is not yet at rest.
+    pub resume_lost: bool,
+    /// T falls back to 0 with the next line that has none.
+    pub tool_falls: bool,
+    /// `/` is passed over, so a deleted block runs.
+    pub slash_passes: bool,
+    /// Byte settings above 255 wrap around.
+    pub byte_wrap: bool,
+    /// The build has a pin for the safety door.
+    pub door_pin: bool,
+}
+
+impl Default for Quirks {
+    fn default() -> Quirks {
+        Quirks {
+            stray_ok: true,
+            crlf_twice: true,
+            silent_overflow: true,
+            eeprom_byte_loss: false,
+            check_writes: true,
+            jog_to_zero: true,
+            home_axis_wedge: true,
+            resume_lost: true,
+            tool_falls: true,
+            slash_passes: true,
+            byte_wrap: true,
+            door_pin: false,
+        }
+    }
+}
