@@ -25,6 +25,7 @@ mod translations;
 
 mod fuzz;
 mod hostile;
+mod errand;
 mod link;
 mod looks;
 mod machines;
