@@ -51,6 +51,16 @@ impl Firmware {
         }
     }
 
+    /// The meaning of its `error:code`, if its tables have one.
+    pub fn error(self, code: u16) -> Option<super::Meaning> {
+        super::error_meaning(code)
+    }
+
+    /// The meaning of its `ALARM:code`, if its tables have one.
+    pub fn alarm(self, code: u16) -> Option<super::Meaning> {
+        super::alarm_meaning(code)
+    }
+
     /// Most characters of a line that count (blanks and comments do not). GRBL 1.1 and grblHAL answer error 11 to more; FluidNC cuts
     /// the line without a word.
     pub fn line_chars(self) -> usize {
