@@ -28,7 +28,7 @@ use std::time::{Duration, Instant};
 
 #[derive(Parser)]
 struct Args {
-    /// What to fuzz: stl, obj, gcode, cl, toml
+    /// What to fuzz: stl, obj, gcode, cl, toml, controller, replies
     target: String,
     /// How long
     #[arg(long, default_value_t = 10.0)]

@@ -4,6 +4,7 @@
 pub mod corpus;
 pub mod mutate;
 pub mod random;
+pub mod talk;
 pub mod targets;
 
 use random::Random;

@@ -1,6 +1,6 @@
 //! What is fuzzed: for each format its seeds, its dictionary, and what must hold of whatever is read. A new format is one more entry.
 
-use super::corpus;
+use super::{corpus, talk};
 use morsemill::cldata::{ReadOptions, Reader, Step};
 use morsemill::gcode::{self, Dialect, Event};
 use morsemill::machine::Machine;
@@ -20,7 +20,7 @@ pub struct Target {
 }
 
 /// All of them.
-pub const TARGETS: [Target; 5] = [
+pub const TARGETS: [Target; 7] = [
     Target {
         name: "stl",
         seeds: corpus::stl,
@@ -50,6 +50,18 @@ pub const TARGETS: [Target; 5] = [
         seeds: corpus::toml,
         words: &corpus::TOML_WORDS,
         read: read_data_file,
+    },
+    Target {
+        name: "controller",
+        seeds: talk::hosts,
+        words: &talk::HOST_WORDS,
+        read: talk::controller,
+    },
+    Target {
+        name: "replies",
+        seeds: talk::controllers,
+        words: &talk::CONTROLLER_WORDS,
+        read: talk::replies,
     },
 ];
 

@@ -26,6 +26,9 @@ pub struct CheckArgs {
     /// Machine: a built-in name (see `morsemill machines`) or a file
     #[arg(long, value_name = "NAME|FILE")]
     pub machine: String,
+    /// Settings of its firmware in place of the machine's figures: `$n=value` lines, or what a controller answers to $$
+    #[arg(long, value_name = "FILE")]
+    pub settings: Option<PathBuf>,
     /// Dialect the program is written in: a built-in name (see `morsemill posts`) or a file; by default the machine's own
     #[arg(long, alias = "dialect", value_name = "NAME|FILE")]
     pub post: Option<String>,
@@ -81,7 +84,8 @@ struct PartFigures {
 /// Judges a program. Exit 0: nothing speaks against it; 1: problems; errors are for what could not be judged.
 pub fn run(args: &CheckArgs) -> Result<ExitCode, Failure> {
     args.tool.check()?;
-    let machine = super::sources::machine(&args.machine).map_err(Failure::failed)?;
+    let mut machine = super::sources::machine(&args.machine).map_err(Failure::failed)?;
+    super::controller::apply_settings(args.settings.as_deref(), &mut machine)?;
     let post = super::sources::post(args.post.as_deref().unwrap_or(&machine.post))
         .map_err(Failure::failed)?;
     let dialect = dialect_of(&post).map_err(Failure::failed)?;

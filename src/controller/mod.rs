@@ -27,20 +27,34 @@
 mod complaint;
 mod dollar;
 mod execute;
+pub mod fault;
+pub mod fault_plan;
+pub mod front;
 pub mod intake;
 pub mod motion;
 pub mod pins;
 pub mod profile;
 pub mod pty;
 mod realtime;
+pub mod rehearsal;
 pub mod replay;
 mod report;
+pub mod rig;
+pub mod script;
 pub mod settings;
+pub mod tcp;
 
+pub use fault::{Faults, Side, Tally};
+pub use fault_plan::{Deed, FaultError, FaultPlan, Noise, When};
+pub use front::{Front, News, Pace, Readout};
 pub use pins::{Pins, Switches};
 pub use profile::{Profile, Quirks};
-pub use pty::{Pace, Pty, PtyError, Readout};
+pub use pty::{Pty, PtyError};
+pub use rehearsal::{Drive, Driven};
+pub use rig::{Rig, RigOptions};
+pub use script::Script;
 pub use settings::Memory;
+pub use tcp::{Guests, Tcp, TcpError};
 
 use crate::gcode::{Dialect, State as Parser};
 use crate::geom::Point;

@@ -23,6 +23,7 @@ struct Slice {
     duration: f64,
     from: Point,
     to: Point,
+    rapid: bool,
 }
 
 /// The axes and their queue.
@@ -44,6 +45,8 @@ pub struct Motion {
     resting: bool,
     /// Slow down to a stand, wherever that is.
     holding: bool,
+    /// What was last run was a rapid move.
+    ran_rapid: bool,
 }
 
 impl Motion {
@@ -61,6 +64,7 @@ impl Motion {
             going: false,
             resting: false,
             holding: false,
+            ran_rapid: false,
         }
     }
 
@@ -102,6 +106,11 @@ impl Motion {
     /// The axes move now.
     pub fn moving(&self) -> bool {
         self.going && self.slices.front().is_some_and(|s| s.from != s.to)
+    }
+
+    /// What the axes did last was a rapid move.
+    pub fn ran_rapid(&self) -> bool {
+        self.ran_rapid
     }
 
     /// A hold is in force.
@@ -192,6 +201,7 @@ impl Motion {
             return;
         };
         self.run += dt;
+        let before = self.position;
         if self.run >= slice.duration - super::SAME_MOMENT {
             self.position = slice.to;
             self.slices.pop_front();
@@ -199,6 +209,9 @@ impl Motion {
             self.prepare();
         } else {
             self.position = slice.from + (slice.to - slice.from) * (self.run / slice.duration);
+        }
+        if self.position != before {
+            self.ran_rapid = slice.rapid;
         }
     }
 
@@ -218,6 +231,7 @@ impl Motion {
                     duration: delay,
                     from: self.position,
                     to: self.position,
+                    rapid: false,
                 });
             } else {
                 self.resting = false;
@@ -254,6 +268,7 @@ impl Motion {
             profile.speed_at(time)
         };
         let end = self.planner.point_of_steps(&block.to_steps);
+        let rapid = block.speed == Speed::Rapid;
         if remaining <= NOTHING {
             self.head = end;
             self.planner.pop();
@@ -272,6 +287,7 @@ impl Motion {
             duration: time,
             from,
             to: self.head,
+            rapid,
         });
         true
     }

@@ -93,23 +93,11 @@ pub fn dry_run(
     part: Option<&PartContext>,
     options: &DryRunOptions,
 ) -> DryRun {
-    let mut report = DryRun {
-        program: ProgramFigures {
-            bytes: text.len(),
-            lines: crate::gcode::lines(text).count(),
-            ..ProgramFigures::default()
-        },
-        time_s: TimeFigures::default(),
-        motion: MotionFigures::default(),
-        link_demand: None,
-        extents: Extents::default(),
-        finish: None,
-        verdict: Verdict::Pass,
-        problems: Vec::new(),
-        warnings: Vec::new(),
-        not_modelled: Vec::new(),
-        map: None,
-    };
+    let mut report = blank(ProgramFigures {
+        bytes: text.len(),
+        lines: crate::gcode::lines(text).count(),
+        ..ProgramFigures::default()
+    });
     match start::read(text, dialect) {
         Ok(program) => {
             let times = program_time(&program.at_zero.events, &Settings::from(machine));
@@ -131,6 +119,23 @@ pub fn dry_run(
         report.verdict = Verdict::Fail;
     }
     report
+}
+
+/// A report in which nothing is judged yet.
+pub(super) fn blank(program: ProgramFigures) -> DryRun {
+    DryRun {
+        program,
+        time_s: TimeFigures::default(),
+        motion: MotionFigures::default(),
+        link_demand: None,
+        extents: Extents::default(),
+        finish: None,
+        verdict: Verdict::Pass,
+        problems: Vec::new(),
+        warnings: Vec::new(),
+        not_modelled: Vec::new(),
+        map: None,
+    }
 }
 
 fn run(
@@ -240,7 +245,8 @@ fn feeding(text: &str, seconds: &[f64], machine: &Machine, report: &mut DryRun) 
 /// Problems of one kind that are listed one by one.
 const LISTED: usize = 20;
 
-fn judge(
+/// Cuts moves into the stock and looks at what is left.
+pub(super) fn judge(
     moves: &[material::Move],
     part: &PartContext,
     options: &DryRunOptions,

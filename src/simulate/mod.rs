@@ -13,6 +13,7 @@
 //! ```
 
 mod depth;
+pub mod driven;
 pub mod dry_run;
 mod gouge;
 mod limits;
@@ -20,6 +21,7 @@ mod material;
 pub mod report;
 mod start;
 
+pub use driven::{DrivenMove, Rehearsal, judge_driven};
 pub use dry_run::{DryRunOptions, PartContext, Stock, dry_run, judging_step};
 pub use report::{
     DryRun, Extents, Kind, MotionFigures, Problem, ProgramFigures, TimeFigures, Verdict,

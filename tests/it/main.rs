@@ -9,6 +9,7 @@ mod feature;
 mod field;
 mod finish;
 mod fit;
+mod fronts;
 mod functions;
 mod morse;
 mod part;

@@ -31,6 +31,9 @@ pub struct MillArgs {
     /// Machine: a name from `morsemill machines`, or a file
     #[arg(long, default_value = DEFAULT_MACHINE, value_name = "NAME|FILE")]
     pub machine: String,
+    /// Settings of its firmware in place of the machine's figures: `$n=value` lines, or what a controller answers to $$
+    #[arg(long, value_name = "FILE")]
+    pub settings: Option<PathBuf>,
     /// Dialect: a name from `morsemill posts`, or a file; the machine's own if left out
     #[arg(long, value_name = "NAME|FILE")]
     pub post: Option<String>,

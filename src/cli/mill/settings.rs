@@ -60,7 +60,8 @@ pub(super) fn settle(a: &MillArgs) -> Result<Settings, Failure> {
             "--floor {z}: must be a height in mm"
         )));
     }
-    let machine = crate::cli::sources::machine(&a.machine).map_err(Failure::failed)?;
+    let mut machine = crate::cli::sources::machine(&a.machine).map_err(Failure::failed)?;
+    crate::cli::controller::apply_settings(a.settings.as_deref(), &mut machine)?;
     let post = crate::cli::sources::post(a.post.as_deref().unwrap_or(&machine.post))
         .map_err(Failure::failed)?;
     let [lowest, highest] = machine.spindle;

@@ -1,0 +1,373 @@
+//! The fronts of the simulated controller as other programs meet them: a socket, a second client, hostile bytes, a pseudo-terminal opened
+//! twice, a rehearsal over a part, ports opened by name.
+#![allow(clippy::unwrap_used)]
+
+use clap::Parser;
+use morsemill::cli::controller::{ControllerArgs, run_until};
+use morsemill::controller::{
+    Controller, FaultPlan, Faults, Guests, Memory, News, Pace, Pty, Rig, RigOptions, Tcp,
+};
+use morsemill::link::port::inquiry::Inquiry;
+use morsemill::link::port::{self, Port};
+use std::io::{Read as _, Write as _};
+use std::net::{SocketAddr, TcpStream};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc;
+use std::time::{Duration, Instant};
+
+/// Patience with another thread on a busy computer; nothing is measured by it.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+fn mill() -> Controller {
+    let mut m = Memory::default();
+    for axis in 0..3 {
+        m.set(110 + axis, 3000.0);
+        m.set(120 + axis, 500.0);
+    }
+    Controller::new(m)
+}
+
+fn serve(rig: impl Into<Rig>) -> Tcp {
+    Tcp::serve(rig.into(), "127.0.0.1:0", Guests::Local, Pace::Unbound, None).unwrap()
+}
+
+fn connect(to: SocketAddr) -> TcpStream {
+    let s = TcpStream::connect(to).unwrap();
+    s.set_read_timeout(Some(Duration::from_millis(20))).unwrap();
+    s.set_nodelay(true).unwrap();
+    s
+}
+
+/// Reads until `end` has come or the far side closes; all that came.
+fn until(s: &mut TcpStream, end: &str) -> String {
+    let (mut got, start) = (Vec::new(), Instant::now());
+    let mut buffer = [0; 256];
+    loop {
+        match s.read(&mut buffer) {
+            Ok(0) => break,
+            Ok(n) => got.extend_from_slice(&buffer[..n]),
+            Err(e) if matches!(e.kind(), std::io::ErrorKind::WouldBlock | std::io::ErrorKind::TimedOut) => {}
+            Err(_) => break,
+        }
+        let text = String::from_utf8_lossy(&got);
+        if text.contains(end) {
+            break;
+        }
+        assert!(start.elapsed() < PATIENCE, "waited for {end:?}, got {text:?}");
+    }
+    String::from_utf8_lossy(&got).into_owned()
+}
+
+#[test]
+fn a_second_client_is_told_and_shown_out_and_the_first_goes_on() {
+    let tcp = serve(mill());
+    let mut first = connect(tcp.address());
+    assert_eq!(until(&mut first, "help]\r\n"), "\r\nGrbl 1.1h ['$' for help]\r\n");
+    let mut second = connect(tcp.address());
+    let said = until(&mut second, "never said");
+    let local = first.local_addr().unwrap();
+    assert_eq!(
+        said,
+        format!("[MSG:Busy: {local} is connected, and one program at a time may be. Close it first]\r\n")
+    );
+    first.write_all(b"G1X5F600\n$G\n").unwrap();
+    assert!(until(&mut first, "]\r\nok\r\n").starts_with("ok\r\n[GC:G1 "));
+    // The first leaves in the middle of its job: the controller goes on, and the next one finds it where it is.
+    first.write_all(b"G1X7\n").unwrap();
+    until(&mut first, "ok\r\n");
+    drop(first);
+    let start = Instant::now();
+    while tcp.readout().position[0] < 7.0 {
+        assert!(start.elapsed() < PATIENCE);
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    let mut third = connect(tcp.address());
+    third.write_all(b"?").unwrap();
+    let said = until(&mut third, ">\r\n");
+    assert!(said.starts_with("<Idle|MPos:7.000,0.000,0.000|"), "{said}");
+}
+
+#[test]
+fn only_loopback_unless_told() {
+    let refuse = |address: &str| {
+        Tcp::serve(mill().into(), address, Guests::Local, Pace::Unbound, None)
+            .err()
+            .unwrap()
+            .to_string()
+    };
+    assert_eq!(
+        refuse("0.0.0.0:0"),
+        "--tcp 0.0.0.0:0: anybody in the network could drive this controller there: listen on 127.0.0.1, or add --allow-remote if that is what you want"
+    );
+    assert!(refuse("127.0.0.1").starts_with("--tcp 127.0.0.1: write ADDRESS:PORT"));
+    let taken = serve(mill());
+    let at = taken.address().to_string();
+    assert!(refuse(&at).starts_with(&format!("--tcp {at}: cannot listen: ")));
+    let open = Tcp::serve(mill().into(), "0.0.0.0:0", Guests::Remote, Pace::Unbound, None);
+    assert!(open.unwrap().address().port() > 0);
+}
+
+#[test]
+fn hostile_bytes_over_a_socket_crash_nothing() {
+    let tcp = serve(mill());
+    // Numbers from a fixed seed: the bytes are the same every time.
+    let mut x = 0x2545_f491_4f6c_dd1d_u64;
+    for round in 0..20 {
+        let mut s = connect(tcp.address());
+        let bytes: Vec<u8> = (0..4000)
+            .map(|_| {
+                x ^= x << 13;
+                x ^= x >> 7;
+                x ^= x << 17;
+                (x >> 32) as u8
+            })
+            .collect();
+        // It may be shown out while the one before has not been missed yet, and its writes fail then.
+        let _ = s.write_all(&bytes);
+        if round % 2 == 0 {
+            let _ = s.read(&mut [0; 100]);
+        }
+    }
+    // Whatever state that left: after resets it greets again. Each try is a connection of its own, as one may find the door still taken.
+    let start = Instant::now();
+    loop {
+        let mut s = connect(tcp.address());
+        let _ = s.write_all(&[0x18]);
+        std::thread::sleep(Duration::from_millis(300));
+        let mut buffer = [0; 4096];
+        let mut got = Vec::new();
+        while let Ok(n) = s.read(&mut buffer) {
+            got.extend_from_slice(&buffer[..n]);
+            if n == 0 {
+                break;
+            }
+        }
+        if String::from_utf8_lossy(&got).contains("Grbl 1.1h") {
+            break;
+        }
+        assert!(start.elapsed() < PATIENCE, "{}", String::from_utf8_lossy(&got));
+    }
+    assert!(tcp.stop().is_some(), "the thread is alive and ends");
+}
+
+#[test]
+fn ports_by_name_reach_a_socket_and_a_pseudo_terminal() {
+    let tcp = serve(mill());
+    let pty = Pty::start(mill(), Pace::Times(1.0)).unwrap();
+    for name in [format!("tcp://{}", tcp.address()), pty.path().to_string()] {
+        let mut port: Box<dyn Port> = port::open(&name, 115_200).unwrap();
+        let mut inquiry = Inquiry::default();
+        let (start, mut buffer) = (Instant::now(), [0; 64]);
+        let found = loop {
+            let n = port.read(&mut buffer).unwrap();
+            let now = start.elapsed().as_secs_f64();
+            inquiry.receive(&buffer[..n], now);
+            inquiry.tick(now);
+            port.write(&inquiry.output()).unwrap();
+            if let Some(found) = inquiry.finished() {
+                break found.clone();
+            }
+        };
+        assert_eq!(found.to_string(), "Grbl 1.1h, version 1.1h.20190830, Idle", "{name}");
+    }
+}
+
+#[test]
+fn each_opening_of_a_pseudo_terminal_greets_anew() {
+    let (sender, news) = mpsc::channel();
+    let pty = Pty::serve(mill().into(), Pace::Times(1.0), Some(sender)).unwrap();
+    for _ in 0..3 {
+        let mut port = port::open(pty.path(), 115_200).unwrap();
+        assert_eq!(news.recv_timeout(PATIENCE).unwrap(), News::Came);
+        let (mut got, mut buffer) = (Vec::new(), [0; 64]);
+        while !got.ends_with(b"help]\r\n") {
+            let n = port.read(&mut buffer).unwrap();
+            got.extend_from_slice(&buffer[..n]);
+        }
+        assert_eq!(got, b"\r\nGrbl 1.1h ['$' for help]\r\n");
+        // No echo, and a carriage return arrives as one: two line ends, two answers.
+        port.write(b"$\r\n").unwrap();
+        got.clear();
+        while !got.ends_with(b"ok\r\nok\r\n") {
+            let n = port.read(&mut buffer).unwrap();
+            got.extend_from_slice(&buffer[..n]);
+        }
+        assert!(got.starts_with(b"[HLP:"), "{}", String::from_utf8_lossy(&got));
+        drop(port);
+        assert!(matches!(news.recv_timeout(PATIENCE).unwrap(), News::Left(_)));
+    }
+}
+
+/// A session-like exchange with faults, in virtual time, by the wall clock of nobody: twice the same.
+#[test]
+fn faults_replay_without_any_front() {
+    let run = |seed| {
+        let mut plan = FaultPlan::default();
+        for f in ["drop:0.01", "flip:0.01", "lose-ok:0.1", "delay:5ms", "reset-at-line:40"] {
+            plan.add(f).unwrap();
+        }
+        let mut rig = Rig::new(
+            mill(),
+            RigOptions {
+                faults: Faults::new(seed, plan),
+                ..RigOptions::default()
+            },
+        );
+        let mut log = Vec::new();
+        for k in 0..200 {
+            rig.feed(format!("G1X{}F1000\n?", k % 7).as_bytes());
+            rig.advance(0.05);
+            log.extend(rig.output());
+        }
+        (log, rig.faults().tally(), rig.controller().position())
+    };
+    let first = run(3);
+    assert_eq!(run(3), first);
+    assert_ne!(run(4).0, first.0);
+    assert!(first.1.dropped > 0 && first.1.flipped > 0 && first.1.oks_lost > 0);
+    assert_eq!(first.1.restarts, 1);
+}
+
+#[derive(Parser)]
+struct Cli {
+    #[command(flatten)]
+    controller: ControllerArgs,
+}
+
+/// Where `morsemill controller` writes its results, to be read while it runs.
+#[derive(Clone, Default)]
+struct Shared(Arc<std::sync::Mutex<Vec<u8>>>);
+
+impl Shared {
+    fn text(&self) -> String {
+        String::from_utf8(self.0.lock().unwrap().clone()).unwrap()
+    }
+}
+
+impl std::io::Write for Shared {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        self.0.lock().unwrap().extend_from_slice(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        Ok(())
+    }
+}
+
+/// Runs `morsemill controller --tcp` with these words and a plain sender of a program; exit code, what it printed, and what the
+/// controller said.
+fn controller(words: &[&str], program: &str) -> (u8, String, String) {
+    let all = [
+        &["controller", "--tcp", "127.0.0.1:0", "--speed", "max", "--once"],
+        words,
+    ]
+    .concat();
+    let args = Cli::try_parse_from(all).unwrap().controller;
+    let out = Shared::default();
+    let stop = Arc::new(AtomicBool::new(false));
+    let (mut writer, stopper) = (out.clone(), stop.clone());
+    let thread = std::thread::spawn(move || run_until(&args, &mut writer, &stopper));
+    let start = Instant::now();
+    let address = loop {
+        if let Some((line, _)) = out.text().split_once('\n') {
+            break line.strip_prefix("tcp://").unwrap().parse().unwrap();
+        }
+        if thread.is_finished() {
+            return (thread.join().unwrap(), out.text(), String::new());
+        }
+        assert!(start.elapsed() < PATIENCE);
+        std::thread::sleep(Duration::from_millis(2));
+    };
+    let mut s = connect(address);
+    let mut said = until(&mut s, "help]\r\n");
+    for line in program.lines() {
+        s.write_all(format!("{line}\n").as_bytes()).unwrap();
+        said += &until(&mut s, "ok\r\n");
+    }
+    // What is still queued is driven before it leaves.
+    let start = Instant::now();
+    loop {
+        s.write_all(b"?").unwrap();
+        if until(&mut s, ">\r\n").contains("<Idle") {
+            break;
+        }
+        assert!(start.elapsed() < PATIENCE);
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    drop(s);
+    let code = thread.join().unwrap();
+    stop.store(true, Ordering::Relaxed);
+    (code, out.text(), said)
+}
+
+const PLATE: &str = "solid p
+facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 12 0 0\nvertex 12 9 0\nendloop\nendfacet
+facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 12 9 0\nvertex 0 9 0\nendloop\nendfacet
+endsolid p\n";
+
+#[test]
+fn a_rehearsal_shows_the_cut_and_fails_on_a_crash() {
+    let dir = tempfile::tempdir().unwrap();
+    let part = dir.path().join("p.stl").display().to_string();
+    std::fs::write(&part, PLATE).unwrap();
+    let mut text = String::from("G21 G90\nM3 S12000\nG0 Z20\nG0 X-4 Y0\nG0 Z2\nG1 Z0 F500\n");
+    for k in 0..=15 {
+        let y = 0.6 * f64::from(k);
+        let (a, b) = if k % 2 == 0 { (-4, 16) } else { (16, -4) };
+        text += &format!("G1 X{a} Y{y:.3} F1500\nX{b}\n");
+    }
+    let words = ["--part", part.as_str(), "--origin", "part", "--up", "+z"];
+    let (code, said, _) = controller(&words, &(text.clone() + "G0 Z20\nM5\nM30"));
+    assert!(said.contains("\nrehearsal 1: program, "), "{said}");
+    assert!(said.ends_with("verdict   pass\n"), "{said}");
+    assert_eq!(code, 0, "{said}");
+    // Never lifted before it goes home: a rapid through stock that still stands.
+    let (code, said, _) = controller(&words, "G21 G90\nM3 S12000\nG0 Z20\nG0 X-4 Y4\nG0 Z0\nG0 X6\nG0 Z20");
+    assert!(said.contains("rehearsal 1: way without an M2 or M30, 0.0 mm at feed"), "{said}");
+    assert!(said.contains("problem   collision: after "), "{said}");
+    assert!(said.ends_with("verdict   crash\n"), "{said}");
+    assert_eq!(code, 1);
+    let (code, _, _) = controller(&words, &(text + "G1 X6 Z-0.1\nG0 Z20\nM5\nM30"));
+    assert_eq!(code, 1, "a gouge");
+}
+
+#[test]
+fn what_the_command_line_cannot_carry_out_says_so() {
+    let dir = tempfile::tempdir().unwrap();
+    let file = |name: &str, text: &str| {
+        let path = dir.path().join(name).display().to_string();
+        std::fs::write(&path, text).unwrap();
+        path
+    };
+    let bad = file("bad.txt", "$110=fast\n");
+    let pins = file("pins.txt", "soon probe on\n");
+    for words in [
+        &["--settings", bad.as_str()][..],
+        &["--pins", pins.as_str()],
+        &["--fault", "loose-ok:0.1"],
+        &["--machine", "no-such-mill"],
+        &["--part", "no-such-part.stl"],
+    ] {
+        assert_eq!(controller(words, ""), (2, String::new(), String::new()), "{words:?}");
+    }
+    let parse = |words: &[&str]| Cli::try_parse_from(words).err().unwrap().to_string();
+    assert!(parse(&["c", "--pty", "--tcp", "127.0.0.1:0"]).contains("cannot be used with"));
+    assert!(parse(&["c", "--allow-remote"]).contains("--tcp"));
+    assert!(parse(&["c", "--work-zero", "1,2"]).contains("write three numbers of mm with commas"));
+}
+
+#[test]
+fn settings_of_a_file_are_the_controllers() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("s.txt").display().to_string();
+    std::fs::write(&path, "$110=1234\n$22=0\n$13=0\n").unwrap();
+    let args = Cli::try_parse_from(["c", "--settings", &path]).unwrap().controller;
+    // Not served: how to reach it was not said.
+    let mut out = Vec::new();
+    assert_eq!(run_until(&args, &mut out, &AtomicBool::new(false)), 2);
+    let (code, _, said) = controller(&["--settings", &path], "$$");
+    assert_eq!(code, 0);
+    assert!(said.contains("$110=1234.000\r\n$111=4000.000"), "{said}");
+}
