@@ -97,6 +97,9 @@ pub struct Errand<T> {
     pub(super) last_heard: Duration,
     pub(super) idle_since: Option<Duration>,
     pub(super) last_hold: Duration,
+    /// Reports that said Jog at the same place, while a jog is cancelled.
+    pub(super) standing: u32,
+    pub(super) stood_at: Option<[f64; 3]>,
     incoming: Lines,
     hold_told: bool,
 }
@@ -144,6 +147,8 @@ impl<T: Task> Errand<T> {
             last_heard: now,
             idle_since: None,
             last_hold: now,
+            standing: 0,
+            stood_at: None,
             incoming: Lines::default(),
             hold_told: false,
         }

@@ -20,6 +20,8 @@ const ALARM_DEAF: Duration = Duration::from_millis(700);
 const RESET_WAIT: Duration = Duration::from_millis(1500);
 /// Idle after a jog cancel, and the jog line is still not answered: it never will be.
 const STUCK_JOG: Duration = Duration::from_secs(1);
+/// Reports that still say Jog at the same place, after as many cancels: the controller hangs, and only a reset frees it.
+const STANDING_JOG: u32 = 20;
 /// Patience for the last position report.
 const LAST_LOOK: Duration = Duration::from_secs(2);
 
@@ -77,6 +79,7 @@ impl<T: Task> Errand<T> {
                 self.news.push(News::Stopping("jog cancelled".to_string()));
                 self.ending = Some(error);
                 self.realtime(Realtime::JogCancel);
+                (self.standing, self.stood_at) = (0, None);
                 self.enter(Phase::JogStop { idle: 0 }, now);
             }
             Moving::Program => {
@@ -146,7 +149,17 @@ impl<T: Task> Errand<T> {
                         let error = self.ending.take();
                         self.end(error, now);
                     }
-                    State::Jog => self.realtime(Realtime::JogCancel),
+                    State::Jog => {
+                        let here = self.known.machine_position;
+                        self.standing = if here == self.stood_at { self.standing + 1 } else { 0 };
+                        self.stood_at = here;
+                        if self.standing > STANDING_JOG {
+                            self.note("the controller says Jog but stands still, and takes no cancel: it is reset");
+                            self.reset(now);
+                        } else {
+                            self.realtime(Realtime::JogCancel);
+                        }
+                    }
                     // A door or a hold button came in between: at rest, and a reset empties what waits.
                     State::Hold { at_rest: true } | State::Door(_) if status.state.at_rest() => self.reset(now),
                     // It runs a program: not ours to cancel by this byte.
