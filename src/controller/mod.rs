@@ -34,6 +34,7 @@ pub mod fault_plan;
 pub mod front;
 mod homing;
 pub mod intake;
+mod memory_text;
 pub mod motion;
 pub mod pins;
 pub mod profile;

@@ -42,7 +42,8 @@ pub struct Board {
     pub log: VecDeque<String>,
     /// Seconds of motion, pauses left out.
     pub running_s: f64,
-    last: Option<Duration>,
+    /// When the last report came.
+    pub last: Option<Duration>,
 }
 
 impl Board {
