@@ -490,3 +490,42 @@ proptest! {
         }
     }
 }
+
+/// The whole command over a pseudo-terminal: events, one JSON object a line, from `connected` to `ended`; the journal beside the program.
+#[test]
+fn send_tells_events_and_keeps_a_journal() {
+    use morsemill::cli::send::{self, SendArgs};
+    use morsemill::controller::{Pace, Pty};
+    use morsemill::machine::Machine;
+    let dir = tempfile::tempdir().unwrap();
+    let program = dir.path().join("part.nc");
+    std::fs::write(&program, "G21G90\nG1X5F600\nX0\nM30\n").unwrap();
+    let machine = Machine::load("longmill-30x30").unwrap();
+    let pty = Pty::start(Controller::of_machine(&machine), Pace::Unbound).unwrap();
+    let events = dir.path().join("events.jsonl");
+    let args = SendArgs {
+        program: program.clone(),
+        machine: "longmill-30x30".to_string(),
+        port: pty.path().to_string(),
+        dry_run: false,
+        speed: Pace::Unbound,
+        json: None,
+        events: Some(events.clone()),
+        plain: true,
+        tool_plate: None,
+        take_up: Default::default(),
+    };
+    let mut out = Vec::new();
+    assert_eq!(send::run(&args, &mut out), 0, "{}", String::from_utf8_lossy(&out));
+    let text = std::fs::read_to_string(&events).unwrap();
+    let lines: Vec<serde_json::Value> = text.lines().map(|l| serde_json::from_str(l).unwrap()).collect();
+    let kinds: Vec<&str> = lines.iter().map(|l| l["event"].as_str().unwrap()).collect();
+    assert!(kinds.contains(&"started") && kinds.contains(&"report"), "{kinds:?}");
+    assert_eq!(lines.last().unwrap()["event"], "ended");
+    assert_eq!(lines.last().unwrap()["result"], "done");
+    assert_eq!(lines.last().unwrap()["lines_acknowledged"], 4);
+    let times: Vec<f64> = lines.iter().map(|l| l["t_s"].as_f64().unwrap()).collect();
+    assert!(times.windows(2).all(|w| w[0] <= w[1]), "{times:?}");
+    let journal = std::fs::read_to_string(dir.path().join("part.nc.journal")).unwrap();
+    assert!(journal.contains(r#""event":"allow""#) && journal.contains(r#""event":"end""#), "{journal}");
+}
