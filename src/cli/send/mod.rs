@@ -209,9 +209,6 @@ fn send(args: &SendArgs, out: &mut dyn Write) -> Result<u8, Failure> {
         Some(job) => job,
         None => vet(source, VetOptions::of(&known, Some(machine.travel.map(|t| t.0))), &mut |_, _| {}).map_err(refused)?,
     };
-    for warning in &job.warnings {
-        say(&format!("warning: {name}:{warning}"));
-    }
     let journal = match plan.begin {
         Some(begin) => Some(open_journal(args, *begin, &job)?),
         None => None,
