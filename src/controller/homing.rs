@@ -201,9 +201,12 @@ impl Controller {
     /// Stops where the axes are.
     pub(super) fn end_homing(&mut self) {
         if let Some(homing) = self.homing.take() {
-            let real = homing.position(&self.motion.position());
+            let counted = self.motion.position_in_steps();
+            let real = homing.position(&counted);
             self.motion.abort();
             self.motion.set_position(real);
+            // Steps of an axis that was held back are counted all the same.
+            self.declare(counted);
         }
     }
 

@@ -204,7 +204,8 @@ fn each_opening_of_a_pseudo_terminal_greets_anew() {
 #[test]
 fn a_plain_sender_of_another_maker() {
     use std::io::{BufRead as _, BufReader};
-    let pty = Pty::start(mill(), Pace::Unbound).unwrap();
+    let (sender, news) = mpsc::channel();
+    let pty = Pty::serve(mill().into(), Pace::Unbound, Some(sender)).unwrap();
     for job in 1..=2 {
         let mut file = std::fs::OpenOptions::new().read(true).write(true).open(pty.path()).unwrap();
         let mut lines = BufReader::new(file.try_clone().unwrap()).lines().map(|l| l.unwrap());
@@ -224,6 +225,9 @@ fn a_plain_sender_of_another_maker() {
             file.write_all(b"?").unwrap();
             said = next();
         }
+        drop((file, lines));
+        // Nobody opens a device again sooner than its closing can be seen.
+        while !matches!(news.recv_timeout(PATIENCE).unwrap(), News::Left(_)) {}
     }
     assert_eq!(pty.readout().bytes_lost, 0);
 }

@@ -26,6 +26,7 @@ mod translations;
 
 mod fuzz;
 mod hostile;
+mod errand;
 mod link;
 mod looks;
 mod machines;
