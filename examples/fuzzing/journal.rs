@@ -50,7 +50,13 @@ fn begin() -> Begin {
         machine: "m".into(),
         firmware: "1.1h".into(),
         dialect: "grbl".into(),
-        settings: vec![(12, 0.002), (32, 0.0), (100, 250.0), (101, 250.0), (102, 250.0)],
+        settings: vec![
+            (12, 0.002),
+            (32, 0.0),
+            (100, 250.0),
+            (101, 250.0),
+            (102, 250.0),
+        ],
         start: Start {
             position: [-1.0, -2.0, -3.0],
             offsets,
@@ -74,7 +80,11 @@ pub fn seeds() -> Vec<Vec<u8>> {
         at_rest: true,
     };
     let stories = [
-        vec![Record::Allow { line: 9 }, Record::Sent { line: 8 }, Record::Acknowledged { line: 6 }],
+        vec![
+            Record::Allow { line: 9 },
+            Record::Sent { line: 8 },
+            Record::Acknowledged { line: 6 },
+        ],
         vec![
             Record::Allow { line: 16 },
             Record::Sent { line: 14 },
@@ -103,7 +113,9 @@ pub fn seeds() -> Vec<Vec<u8>> {
             Record::Alarm { code: 1 },
             Record::Error { line: 6, code: 33 },
             Record::Reset,
-            Record::Stopping { why: "alarm".into() },
+            Record::Stopping {
+                why: "alarm".into(),
+            },
             end(true),
         ],
     ];
@@ -179,7 +191,9 @@ fn plan(history: &History) -> Result<bool, String> {
                     return Err("a plan without words".into());
                 }
             }
-            Err(e) if e.to_string().trim().is_empty() => return Err("refused without a word".into()),
+            Err(e) if e.to_string().trim().is_empty() => {
+                return Err("refused without a word".into());
+            }
             Err(_) => {}
         }
     }

@@ -39,6 +39,6 @@ pub use history::{Doubt, History};
 pub use keeper::{Keeper, Turn};
 pub use reader::{Damage, read};
 pub use record::{
-    Begin, FORMAT, Offsets, Record, Resumed, Start, Stamped, ToolChange, fingerprint,
+    Begin, FORMAT, Offsets, Record, Resumed, Stamped, Start, ToolChange, fingerprint,
 };
 pub use writer::{FLUSH_WITHIN, Writer};
