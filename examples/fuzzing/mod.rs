@@ -2,6 +2,7 @@
 //! seconds. Case `i` of seed `s` is always the same input, so every finding can be had again from two numbers.
 
 pub mod corpus;
+pub mod journal;
 pub mod mutate;
 pub mod random;
 pub mod talk;

@@ -1,6 +1,6 @@
 //! What is fuzzed: for each format its seeds, its dictionary, and what must hold of whatever is read. A new format is one more entry.
 
-use super::{corpus, talk};
+use super::{corpus, journal, talk};
 use morsemill::cldata::{ReadOptions, Reader, Step};
 use morsemill::gcode::{Dialect, Event, Interpreter, Reading, State};
 use morsemill::machine::Machine;
@@ -21,7 +21,7 @@ pub struct Target {
 }
 
 /// All of them.
-pub const TARGETS: [Target; 7] = [
+pub const TARGETS: [Target; 8] = [
     Target {
         name: "stl",
         seeds: corpus::stl,
@@ -63,6 +63,12 @@ pub const TARGETS: [Target; 7] = [
         seeds: talk::controllers,
         words: &talk::CONTROLLER_WORDS,
         read: talk::replies,
+    },
+    Target {
+        name: "journal",
+        seeds: journal::seeds,
+        words: &journal::WORDS,
+        read: journal::read_journal,
     },
 ];
 

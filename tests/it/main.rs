@@ -26,10 +26,12 @@ mod translations;
 
 mod fuzz;
 mod hostile;
+mod errand;
 mod link;
 mod looks;
 mod machines;
 mod recordings;
+mod resume;
 
 mod own_files;
 mod refusals;
