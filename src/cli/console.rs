@@ -119,8 +119,15 @@ pub fn run(args: &ConsoleArgs) -> Result<ExitCode, Failure> {
                 News::Report(status, known) if std::mem::take(&mut wants_report) => {
                     let machine = known.machine_position.map(place).unwrap_or_default();
                     let work = known.work_position().map(place).unwrap_or_default();
-                    let pins = if status.pins.is_empty() { String::new() } else { format!("  pins {}", status.pins) };
-                    show(&format!("{}  machine {machine}  work {work}{pins}", status.state.text()));
+                    let pins = if status.pins.is_empty() {
+                        String::new()
+                    } else {
+                        format!("  pins {}", status.pins)
+                    };
+                    show(&format!(
+                        "{}  machine {machine}  work {work}{pins}",
+                        status.state.text()
+                    ));
                 }
                 _ => {}
             }
@@ -167,23 +174,50 @@ mod tests {
 
     #[test]
     fn keys_lines_questions() {
-        let known = Introduction::new(IntroductionOptions::default(), Duration::ZERO).known().clone();
+        let known = Introduction::new(IntroductionOptions::default(), Duration::ZERO)
+            .known()
+            .clone();
         let mut asked = None;
-        assert_eq!(typed(" hold ", &mut asked, false, &known), Typed::Key(Realtime::Hold));
+        assert_eq!(
+            typed(" hold ", &mut asked, false, &known),
+            Typed::Key(Realtime::Hold)
+        );
         assert_eq!(typed("", &mut asked, false, &known), Typed::Nothing);
         assert_eq!(typed("quit", &mut asked, false, &known), Typed::Quit);
-        assert_eq!(typed("M3 S1", &mut asked, false, &known), Typed::Tell("`M3S1`: the spindle starts. Type yes to send it".into()));
-        assert_eq!(typed("no", &mut asked, false, &known), Typed::Tell("not sent".into()));
-        assert_eq!(typed("M3 S1", &mut asked, false, &known), Typed::Tell("`M3S1`: the spindle starts. Type yes to send it".into()));
-        assert!(matches!(typed("yes", &mut asked, false, &known), Typed::Send(e) if e.text == "M3S1"));
-        assert!(matches!(typed("M3 S1", &mut asked, true, &known), Typed::Send(_)));
-        let Typed::Tell(text) = typed("$J=F100", &mut asked, true, &known) else { panic!() };
-        assert_eq!(text, "not sent: a jog without X, Y or Z drives to machine zero: name an axis");
+        assert_eq!(
+            typed("M3 S1", &mut asked, false, &known),
+            Typed::Tell("`M3S1`: the spindle starts. Type yes to send it".into())
+        );
+        assert_eq!(
+            typed("no", &mut asked, false, &known),
+            Typed::Tell("not sent".into())
+        );
+        assert_eq!(
+            typed("M3 S1", &mut asked, false, &known),
+            Typed::Tell("`M3S1`: the spindle starts. Type yes to send it".into())
+        );
+        assert!(
+            matches!(typed("yes", &mut asked, false, &known), Typed::Send(e) if e.text == "M3S1")
+        );
+        assert!(matches!(
+            typed("M3 S1", &mut asked, true, &known),
+            Typed::Send(_)
+        ));
+        let Typed::Tell(text) = typed("$J=F100", &mut asked, true, &known) else {
+            panic!()
+        };
+        assert_eq!(
+            text,
+            "not sent: a jog without X, Y or Z drives to machine zero: name an axis"
+        );
     }
 
     #[test]
     fn replies_come_with_their_meaning() {
         assert_eq!(with_meaning("ok", &Reply::Ok), "ok");
-        assert!(with_meaning("error:22", &Reply::Error(22)).starts_with("error:22   no feed rate is set."));
+        assert!(
+            with_meaning("error:22", &Reply::Error(22))
+                .starts_with("error:22   no feed rate is set.")
+        );
     }
 }

@@ -70,7 +70,9 @@ pub fn catch_interrupts() {
         }
     });
     if set.is_err() {
-        say("warning: Ctrl-C cannot be caught here and would leave the machine doing what it was told last");
+        say(
+            "warning: Ctrl-C cannot be caught here and would leave the machine doing what it was told last",
+        );
     }
 }
 
@@ -98,7 +100,14 @@ fn simulated(machine: &Machine, bench: SimBench) -> Controller {
             ..Switches::default()
         },
         _ => Switches {
-            limits: [None, Some(steps(0, 30.0)), None, Some(steps(1, 30.0)), None, Some(steps(2, 10.0))],
+            limits: [
+                None,
+                Some(steps(0, 30.0)),
+                None,
+                Some(steps(1, 30.0)),
+                None,
+                Some(steps(2, 10.0)),
+            ],
             ..Switches::default()
         },
     });
@@ -151,7 +160,11 @@ pub struct Performed<T> {
 
 impl Connection {
     /// Runs a task to its end. `each` is called every few milliseconds, with the news since.
-    pub fn perform<T: Task>(&mut self, task: T, each: &mut dyn FnMut(&mut Errand<T>, &[News])) -> Performed<T> {
+    pub fn perform<T: Task>(
+        &mut self,
+        task: T,
+        each: &mut dyn FnMut(&mut Errand<T>, &[News]),
+    ) -> Performed<T> {
         let options = ErrandOptions {
             rx_bytes: self.machine.rx_buffer,
             ..ErrandOptions::default()
@@ -227,10 +240,16 @@ impl PositionLine {
             News::Connected(known) => self.tell(&format!("connected: {}", known.version)),
             News::Note(text) => self.tell(&format!("note: {text}")),
             News::Stopping(text) => self.tell(text),
-            News::Said(_, crate::wire::Reply::Message(text)) => self.tell(&format!("controller: {text}")),
+            News::Said(_, crate::wire::Reply::Message(text)) => {
+                self.tell(&format!("controller: {text}"))
+            }
             News::Report(status, known) if self.terminal => {
                 let place = known.machine_position.map(place).unwrap_or_default();
-                let _ = write!(std::io::stderr(), "\r\x1b[K{}  machine {place}", status.state.text());
+                let _ = write!(
+                    std::io::stderr(),
+                    "\r\x1b[K{}  machine {place}",
+                    status.state.text()
+                );
                 self.shown = true;
             }
             _ => {}
@@ -291,7 +310,10 @@ pub fn finish<T, D: Serialize>(
         let report = Report {
             command,
             result: if done.result.is_ok() { "done" } else { "error" },
-            message: done.result.as_ref().map_or_else(ToString::to_string, |()| String::new()),
+            message: done
+                .result
+                .as_ref()
+                .map_or_else(ToString::to_string, |()| String::new()),
             firmware: &done.known.version,
             state: done.known.state.text(),
             machine_position_mm: done.known.machine_position,
@@ -309,7 +331,8 @@ pub fn finish<T, D: Serialize>(
 /// Exit 2 when the controller was never reached, 1 when it or the machine would not.
 pub fn failure(e: &ErrandError) -> Failure {
     match e {
-        ErrandError::Unknown(Unknown::Silent { .. }) | ErrandError::Broken { moving: false, .. } => Failure::Failed(e.to_string()),
+        ErrandError::Unknown(Unknown::Silent { .. })
+        | ErrandError::Broken { moving: false, .. } => Failure::Failed(e.to_string()),
         _ => Failure::Rejected(e.to_string()),
     }
 }
@@ -334,7 +357,11 @@ pub fn axis_words(words: &[String], alone: Option<f64>) -> Result<[Option<f64>; 
         let text = rest.as_str();
         let value = match (text.is_empty(), alone) {
             (true, Some(v)) => v,
-            (true, None) => return Err(wrong("how far? Write a number behind the letter, such as X10")),
+            (true, None) => {
+                return Err(wrong(
+                    "how far? Write a number behind the letter, such as X10",
+                ));
+            }
             _ => match text.parse::<f64>() {
                 Ok(v) if v.is_finite() => v,
                 _ => return Err(wrong("the number cannot be read")),
@@ -363,9 +390,22 @@ mod tests {
     fn axis_words_are_read_or_named() {
         assert_eq!(words("X10 z-2.5", None), Ok([Some(10.0), None, Some(-2.5)]));
         assert_eq!(words("x Z1", Some(0.0)), Ok([Some(0.0), None, Some(1.0)]));
-        assert_eq!(words("X", None), Err("`X`: how far? Write a number behind the letter, such as X10".to_string()));
-        assert_eq!(words("X1 X2", None), Err("`X2`: this axis is named twice".to_string()));
-        assert_eq!(words("A1", None), Err("`A1`: write an axis and a number, such as X10 or Z-2.5".to_string()));
-        assert!(words("Xnan", None).is_err() && words("X1e999", None).is_err() && words("", None).unwrap() == [None; 3]);
+        assert_eq!(
+            words("X", None),
+            Err("`X`: how far? Write a number behind the letter, such as X10".to_string())
+        );
+        assert_eq!(
+            words("X1 X2", None),
+            Err("`X2`: this axis is named twice".to_string())
+        );
+        assert_eq!(
+            words("A1", None),
+            Err("`A1`: write an axis and a number, such as X10 or Z-2.5".to_string())
+        );
+        assert!(
+            words("Xnan", None).is_err()
+                && words("X1e999", None).is_err()
+                && words("", None).unwrap() == [None; 3]
+        );
     }
 }

@@ -15,7 +15,10 @@ pub struct HomeArgs {
 
 /// Homes. A controller that is mute after a limit alarm is reset first.
 pub fn run(args: &HomeArgs) -> Result<ExitCode, Failure> {
-    let done = args.connect.open(SimBench::Homing)?.perform_aloud(Home::default());
+    let done = args
+        .connect
+        .open(SimBench::Homing)?
+        .perform_aloud(Home::default());
     if let Some(p) = done.task.position {
         tell(&format!("homed: machine {}", place(p)))?;
     }

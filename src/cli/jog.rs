@@ -41,7 +41,11 @@ pub fn run(args: &JogArgs) -> Result<ExitCode, Failure> {
     let jog = JogMove {
         axes: axis_words(&args.axes, None)?,
         feed: args.feed,
-        units: if args.inch { JogUnits::Inch } else { JogUnits::Mm },
+        units: if args.inch {
+            JogUnits::Inch
+        } else {
+            JogUnits::Mm
+        },
         reach: match args.from {
             From::Here => Reach::Relative,
             From::Work => Reach::Work,
@@ -50,7 +54,10 @@ pub fn run(args: &JogArgs) -> Result<ExitCode, Failure> {
     };
     // Wrong numbers are known without a machine.
     jog.line().map_err(Failure::failed)?;
-    let done = args.connect.open(SimBench::Plain)?.perform_aloud(Jog::new(vec![jog]));
+    let done = args
+        .connect
+        .open(SimBench::Plain)?
+        .perform_aloud(Jog::new(vec![jog]));
     if let Some((machine, work)) = done.task.ended {
         let work = work.map_or(String::new(), |w| format!(", work {}", place(w)));
         tell(&format!("at machine {}{work}", place(machine)))?;

@@ -10,7 +10,12 @@ use std::process::ExitCode;
 #[derive(Clone, Debug, clap::Args)]
 pub struct ProbeArgs {
     /// Thickness of the plate, mm: the place of the touch gets this work Z
-    #[arg(long, value_name = "MM", allow_negative_numbers = true, required_unless_present = "measure")]
+    #[arg(
+        long,
+        value_name = "MM",
+        allow_negative_numbers = true,
+        required_unless_present = "measure"
+    )]
     pub plate: Option<f64>,
     /// How far down to look, mm
     #[arg(long, value_name = "MM", default_value_t = ProbeOptions::default().distance, allow_negative_numbers = true)]
@@ -57,12 +62,22 @@ pub fn run(args: &ProbeArgs) -> Result<ExitCode, Failure> {
         set_zero: !args.measure,
         ..ProbeOptions::default()
     };
-    let done = args.connect.open(SimBench::Plate)?.perform_aloud(Probe::new(options));
+    let done = args
+        .connect
+        .open(SimBench::Plate)?
+        .perform_aloud(Probe::new(options));
     if let (Ok(()), Some(touch)) = (&done.result, done.task.touch) {
         let apart = touch.first - touch.second;
-        tell(&format!("touched at machine Z{:.3} (the touches differ by {apart:.3} mm)", touch.second + 0.0))?;
+        tell(&format!(
+            "touched at machine Z{:.3} (the touches differ by {apart:.3} mm)",
+            touch.second + 0.0
+        ))?;
         if let (Some(origin), Some(here)) = (done.task.origin, done.task.position) {
-            tell(&format!("work Z zero at machine Z{:.3}; the tool is at work Z{:.3}", origin + 0.0, here[2] + 0.0))?;
+            tell(&format!(
+                "work Z zero at machine Z{:.3}; the tool is at work Z{:.3}",
+                origin + 0.0,
+                here[2] + 0.0
+            ))?;
         }
     }
     let details = Details {

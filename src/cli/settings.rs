@@ -89,12 +89,26 @@ pub fn run(args: &SettingsArgs) -> Result<ExitCode, Failure> {
 }
 
 fn save(args: &FileArgs) -> Result<ExitCode, Failure> {
-    let done = args.connect.open(SimBench::Plain)?.perform_aloud(Save::default());
+    let done = args
+        .connect
+        .open(SimBench::Plain)?
+        .perform_aloud(Save::default());
     if done.result.is_ok() {
         write_whole(&args.file, done.task.saved.text().as_bytes())?;
-        tell(&format!("{} settings in {}", done.task.saved.settings.len(), args.file.display()))?;
+        tell(&format!(
+            "{} settings in {}",
+            done.task.saved.settings.len(),
+            args.file.display()
+        ))?;
     }
-    finish("settings save", args.connect.json.as_ref(), &done, Differences { differences: Vec::new() })
+    finish(
+        "settings save",
+        args.connect.json.as_ref(),
+        &done,
+        Differences {
+            differences: Vec::new(),
+        },
+    )
 }
 
 fn read(path: &Path) -> Result<Saved, Failure> {
@@ -105,20 +119,37 @@ fn read(path: &Path) -> Result<Saved, Failure> {
 
 fn diff(args: &FileArgs) -> Result<ExitCode, Failure> {
     let file = read(&args.file)?;
-    let done = args.connect.open(SimBench::Plain)?.perform_aloud(Save::default());
+    let done = args
+        .connect
+        .open(SimBench::Plain)?
+        .perform_aloud(Save::default());
     let found = match done.result {
         Ok(()) => differences(&file, &done.task.saved),
         Err(_) => Vec::new(),
     };
     for d in &found {
         let value = |v: &Option<String>| v.clone().unwrap_or_else(|| "-".to_string());
-        tell(&format!("${:<4} file {:>12}   controller {:>12}", d.number, value(&d.file), value(&d.controller)))?;
+        tell(&format!(
+            "${:<4} file {:>12}   controller {:>12}",
+            d.number,
+            value(&d.file),
+            value(&d.controller)
+        ))?;
     }
-    finish("settings diff", args.connect.json.as_ref(), &done, rows(&found))?;
+    finish(
+        "settings diff",
+        args.connect.json.as_ref(),
+        &done,
+        rows(&found),
+    )?;
     if found.is_empty() {
         tell("no difference")?;
     }
-    Ok(if found.is_empty() { ExitCode::SUCCESS } else { ExitCode::from(1) })
+    Ok(if found.is_empty() {
+        ExitCode::SUCCESS
+    } else {
+        ExitCode::from(1)
+    })
 }
 
 fn restore(args: &RestoreArgs) -> Result<ExitCode, Failure> {
@@ -132,7 +163,14 @@ fn restore(args: &RestoreArgs) -> Result<ExitCode, Failure> {
     let plan = plan(&file, &before.known, &before.task.saved)?;
     if plan.is_empty() {
         tell("nothing to write: the controller has these settings")?;
-        return finish("settings restore", connect.json.as_ref(), &before, Written { written: Vec::new() });
+        return finish(
+            "settings restore",
+            connect.json.as_ref(),
+            &before,
+            Written {
+                written: Vec::new(),
+            },
+        );
     }
     for (number, value) in &plan {
         let has = before.task.saved.get(*number).unwrap_or("-");
@@ -143,15 +181,28 @@ fn restore(args: &RestoreArgs) -> Result<ExitCode, Failure> {
     }
     let done = connection.perform_aloud(Restore::new(file.settings));
     if done.result.is_ok() {
-        tell(&format!("{} settings written and read back", done.task.written.len()))?;
+        tell(&format!(
+            "{} settings written and read back",
+            done.task.written.len()
+        ))?;
     } else if !done.task.written.is_empty() {
         say(&format!(
             "written before that: {}",
-            done.task.written.iter().map(|(n, v)| format!("${n}={v}")).collect::<Vec<_>>().join(" ")
+            done.task
+                .written
+                .iter()
+                .map(|(n, v)| format!("${n}={v}"))
+                .collect::<Vec<_>>()
+                .join(" ")
         ));
     }
     let written = done.task.written.clone();
-    finish("settings restore", connect.json.as_ref(), &done, Written { written })
+    finish(
+        "settings restore",
+        connect.json.as_ref(),
+        &done,
+        Written { written },
+    )
 }
 
 fn plan(file: &Saved, known: &Known, now: &Saved) -> Result<Vec<(u16, String)>, Failure> {
@@ -165,7 +216,8 @@ fn plan(file: &Saved, known: &Known, now: &Saved) -> Result<Vec<(u16, String)>, 
 fn confirmed() -> Result<bool, Failure> {
     if !std::io::stdin().is_terminal() {
         return Err(Failure::Failed(
-            "writing settings needs a yes, and there is no terminal to ask on: add --yes".to_string(),
+            "writing settings needs a yes, and there is no terminal to ask on: add --yes"
+                .to_string(),
         ));
     }
     say("write these? Type yes and Enter; anything else leaves all as it is");

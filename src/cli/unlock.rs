@@ -22,10 +22,22 @@ struct Details {
 
 /// Unlocks. A controller that is mute after a limit alarm is reset first.
 pub fn run(args: &UnlockArgs) -> Result<ExitCode, Failure> {
-    let done = args.connect.open(SimBench::Homing)?.perform_aloud(Unlock::default());
+    let done = args
+        .connect
+        .open(SimBench::Homing)?
+        .perform_aloud(Unlock::default());
     if done.result.is_ok() {
-        tell(if done.task.unlocked { "unlocked" } else { "not locked" })?;
+        tell(if done.task.unlocked {
+            "unlocked"
+        } else {
+            "not locked"
+        })?;
     }
     let unlocked = done.task.unlocked;
-    finish("unlock", args.connect.json.as_ref(), &done, Details { unlocked })
+    finish(
+        "unlock",
+        args.connect.json.as_ref(),
+        &done,
+        Details { unlocked },
+    )
 }

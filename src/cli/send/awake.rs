@@ -19,8 +19,13 @@ impl Awake {
             c
         } else {
             let mut c = Command::new("systemd-inhibit");
-            c.args(["--what=idle:sleep", "--who=morsemill", "--why=a job is running on the machine", "--mode=block"])
-                .args(["tail", "--follow", "/dev/null", "--pid", &pid]);
+            c.args([
+                "--what=idle:sleep",
+                "--who=morsemill",
+                "--why=a job is running on the machine",
+                "--mode=block",
+            ])
+            .args(["tail", "--follow", "/dev/null", "--pid", &pid]);
             c
         };
         let advice = "switch automatic sleep off yourself for a long job";
@@ -29,12 +34,18 @@ impl Awake {
             .stdout(Stdio::null())
             .stderr(Stdio::null())
             .spawn()
-            .map_err(|_| format!("this computer may go to sleep (no helper to keep it awake was found): {advice}"))?;
+            .map_err(|_| {
+                format!(
+                    "this computer may go to sleep (no helper to keep it awake was found): {advice}"
+                )
+            })?;
         // It refuses within moments where there is no session to ask.
         std::thread::sleep(std::time::Duration::from_millis(150));
         match child.try_wait() {
             Ok(None) => Ok(Awake(child)),
-            _ => Err(format!("this computer may go to sleep (the system would not promise otherwise): {advice}")),
+            _ => Err(format!(
+                "this computer may go to sleep (the system would not promise otherwise): {advice}"
+            )),
         }
     }
 }

@@ -53,10 +53,15 @@ impl Board {
             Progress::Connected(known) => {
                 self.version.clone_from(&known.version);
                 (self.rx_bytes, self.blocks) = (known.rx_bytes, known.blocks);
-                format!("connected: {}, {} bytes of buffer", known.version, known.rx_bytes)
+                format!(
+                    "connected: {}, {} bytes of buffer",
+                    known.version, known.rx_bytes
+                )
             }
             Progress::Note(text) => format!("note: {text}"),
-            Progress::Refused { source, text, code, .. } => format!("line {source} (`{text}`): error:{code}"),
+            Progress::Refused {
+                source, text, code, ..
+            } => format!("line {source} (`{text}`): error:{code}"),
             Progress::Report(report) => {
                 let moving = matches!(report.state, State::Run | State::Idle);
                 if let Some(last) = self.last
@@ -68,8 +73,12 @@ impl Board {
                 self.report = Some((**report).clone());
                 return None;
             }
-            Progress::Adjusted { confirmed: true, .. } => return None,
-            Progress::Adjusted { what, .. } => format!("note: {what:?} was sent, but the reports do not show it"),
+            Progress::Adjusted {
+                confirmed: true, ..
+            } => return None,
+            Progress::Adjusted { what, .. } => {
+                format!("note: {what:?} was sent, but the reports do not show it")
+            }
             Progress::Prompt(prompt) => {
                 self.attention = Some(prompt.to_string());
                 prompt.to_string()
@@ -92,13 +101,19 @@ impl Board {
                 format!("{why}: feed hold, then standstill, then reset")
             }
             Progress::ClockJump { by_s } => {
-                format!("note: the computer slept or its clock was set: {by_s:+.1} s. Look at the machine")
+                format!(
+                    "note: the computer slept or its clock was set: {by_s:+.1} s. Look at the machine"
+                )
             }
-            Progress::Unplugged { source: Some((a, b)) } => {
+            Progress::Unplugged {
+                source: Some((a, b)),
+            } => {
                 format!("the port broke: the controller may still carry out lines {a} to {b}")
             }
             Progress::Unplugged { source: None } => "the port broke".to_string(),
-            Progress::Started { .. } | Progress::Sent(_) | Progress::Acknowledged(_) => return None,
+            Progress::Started { .. } | Progress::Sent(_) | Progress::Acknowledged(_) => {
+                return None;
+            }
         };
         self.log.push_back(text.clone());
         if self.log.len() > LOG {
@@ -116,7 +131,9 @@ impl Board {
     /// One line of progress, for those without a screen.
     pub fn progress(&self) -> Option<String> {
         let r = self.report.as_ref()?;
-        let place = r.position.map_or(String::new(), |p| format!("  X{:.2} Y{:.2} Z{:.2}", p[0] + 0.0, p[1] + 0.0, p[2] + 0.0));
+        let place = r.position.map_or(String::new(), |p| {
+            format!("  X{:.2} Y{:.2} Z{:.2}", p[0] + 0.0, p[1] + 0.0, p[2] + 0.0)
+        });
         Some(format!(
             "{}  {} of {} lines{place}  {} left",
             r.state.text(),
@@ -149,7 +166,9 @@ impl Board {
                 lines.push(String::new());
                 lines.push(format!("work     {}", place(r.position)));
                 lines.push(format!("machine  {}", place(r.machine_position)));
-                let percent = |f: fn(crate::wire::Overrides) -> u16| r.overrides.map_or("-".to_string(), |o| f(o).to_string());
+                let percent = |f: fn(crate::wire::Overrides) -> u16| {
+                    r.overrides.map_or("-".to_string(), |o| f(o).to_string())
+                };
                 lines.push(format!(
                     "feed {:>7.0} mm/min ({} %)   rapid {} %   spindle {:>6.0} rpm ({} %)   on: {}",
                     r.feed.unwrap_or(0.0),
@@ -164,8 +183,15 @@ impl Board {
                     (Some(b), None) => format!("   planner {} blocks free", b.blocks),
                     _ => String::new(),
                 };
-                let pins = if r.pins.is_empty() { String::new() } else { format!("   pins {}", r.pins) };
-                lines.push(format!("buffer   {} of {} bytes under way{planner}{pins}", r.in_flight, self.rx_bytes));
+                let pins = if r.pins.is_empty() {
+                    String::new()
+                } else {
+                    format!("   pins {}", r.pins)
+                };
+                lines.push(format!(
+                    "buffer   {} of {} bytes under way{planner}{pins}",
+                    r.in_flight, self.rx_bytes
+                ));
             }
         }
         lines.push(String::new());
@@ -183,7 +209,12 @@ impl Board {
 fn place(p: Option<[f64; 3]>) -> String {
     match p {
         // Adding zero turns a negative zero into a plain one.
-        Some([x, y, z]) => format!("X{:>10.3} Y{:>10.3} Z{:>10.3} mm", x + 0.0, y + 0.0, z + 0.0),
+        Some([x, y, z]) => format!(
+            "X{:>10.3} Y{:>10.3} Z{:>10.3} mm",
+            x + 0.0,
+            y + 0.0,
+            z + 0.0
+        ),
         None => "not reported yet".to_string(),
     }
 }
@@ -199,7 +230,11 @@ fn accessories(letters: &str) -> String {
             _ => None,
         })
         .collect();
-    if words.is_empty() { "-".to_string() } else { words.join(" ") }
+    if words.is_empty() {
+        "-".to_string()
+    } else {
+        words.join(" ")
+    }
 }
 
 /// At most `width` characters, without anything that a terminal would act on.
@@ -233,14 +268,24 @@ mod tests {
             machine_position: Some([-100.0, -50.0, -20.125]),
             feed: Some(800.0),
             speed: Some(12000.0),
-            overrides: Some(Overrides { feed: 110, rapid: 50, spindle: 100 }),
+            overrides: Some(Overrides {
+                feed: 110,
+                rapid: 50,
+                spindle: 100,
+            }),
             accessories: "SF".into(),
             pins: "P".into(),
-            buffer: Some(Buffer { blocks: 3, bytes: 12 }),
+            buffer: Some(Buffer {
+                blocks: 3,
+                bytes: 12,
+            }),
             in_flight: 118,
         };
         b.hear(&Progress::Report(Box::new(report)), Duration::from_secs(1));
-        b.hear(&Progress::Note("laser mode is off\u{1b}[2J".into()), Duration::from_secs(1));
+        b.hear(
+            &Progress::Note("laser mode is off\u{1b}[2J".into()),
+            Duration::from_secs(1),
+        );
         b
     }
 
@@ -273,9 +318,18 @@ space/h hold   r resume   x stop   d door   s spindle off/on in hold   f flood  
     #[test]
     fn what_waits_for_the_operator_stands_out_and_no_line_is_too_wide() {
         let mut b = board();
-        let prompt = Prompt { source: 40, kind: PromptKind::ToolChange { tool: 3 }, text: Some("ball 6".into()) };
-        let told = b.hear(&Progress::Prompt(prompt), Duration::from_secs(2)).unwrap();
-        assert_eq!(told, "line 40: change to tool 3 (ball 6): resume when ready");
+        let prompt = Prompt {
+            source: 40,
+            kind: PromptKind::ToolChange { tool: 3 },
+            text: Some("ball 6".into()),
+        };
+        let told = b
+            .hear(&Progress::Prompt(prompt), Duration::from_secs(2))
+            .unwrap();
+        assert_eq!(
+            told,
+            "line 40: change to tool 3 (ball 6): resume when ready"
+        );
         assert!(b.draw(200).contains(&format!(">>> {told}")));
         for width in [0, 1, 20, 79] {
             assert!(b.draw(width).iter().all(|l| l.chars().count() <= width));
@@ -286,7 +340,10 @@ space/h hold   r resume   x stop   d door   s spindle off/on in hold   f flood  
 
     #[test]
     fn progress_in_a_line() {
-        assert_eq!(board().progress().unwrap(), "Run  25 of 100 lines  X12.50 Y-3.25 Z0.00  0:00 left");
+        assert_eq!(
+            board().progress().unwrap(),
+            "Run  25 of 100 lines  X12.50 Y-3.25 Z0.00  0:00 left"
+        );
         assert_eq!(Board::default().progress(), None);
         assert_eq!(Board::default().draw(80)[2], "waiting for the controller");
     }

@@ -54,7 +54,8 @@ impl Listener {
             None => None,
             Some(path) if path.as_os_str() == "-" => Some(Box::new(std::io::stdout())),
             Some(path) => {
-                let file = File::create(path).map_err(|e| format!("{}: cannot be written: {e}", path.display()))?;
+                let file = File::create(path)
+                    .map_err(|e| format!("{}: cannot be written: {e}", path.display()))?;
                 Some(Box::new(file))
             }
         };
@@ -173,7 +174,9 @@ fn typed() -> mpsc::Receiver<Command> {
     std::thread::spawn(move || {
         for line in std::io::stdin().lock().lines() {
             let Ok(line) = line else { return };
-            let Some(command) = wish_of_line(&line) else { continue };
+            let Some(command) = wish_of_line(&line) else {
+                continue;
+            };
             if sender.send(command).is_err() {
                 return;
             }
@@ -211,7 +214,9 @@ impl Crank<'_> {
             let now = self.start.elapsed();
             if wall.is_zero() || now.saturating_sub(wall) >= WALL {
                 wall = now;
-                let time = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+                let time = SystemTime::now()
+                    .duration_since(UNIX_EPOCH)
+                    .unwrap_or_default();
                 self.session.wall_clock(time, now);
             }
             while let Some(wish) = listener.wish() {
@@ -254,7 +259,9 @@ impl Crank<'_> {
                 return outcome;
             }
             match self.port.read(&mut buffer) {
-                Ok(n) => self.session.receive(buffer.get(..n).unwrap_or_default(), self.start.elapsed()),
+                Ok(n) => self
+                    .session
+                    .receive(buffer.get(..n).unwrap_or_default(), self.start.elapsed()),
                 Err(e) => self.session.broken(e.to_string(), self.start.elapsed()),
             }
         }
@@ -334,13 +341,20 @@ impl Crank<'_> {
                     system[2] = origin;
                 }
                 if let Some(journal) = &mut self.journal {
-                    journal.keeper.tool_changed(Some(offsets), self.start.elapsed());
+                    journal
+                        .keeper
+                        .tool_changed(Some(offsets), self.start.elapsed());
                 }
-                listener.note(&format!("the new tool is measured: work Z zero at machine Z{:.3}", origin + 0.0));
+                listener.note(&format!(
+                    "the new tool is measured: work Z zero at machine Z{:.3}",
+                    origin + 0.0
+                ));
                 true
             }
             (Err(e), _) => {
-                listener.note(&format!("the tool was not measured: {e}. Resume tries again; x stops the job"));
+                listener.note(&format!(
+                    "the tool was not measured: {e}. Resume tries again; x stops the job"
+                ));
                 false
             }
             (Ok(()), None) => false,

@@ -53,7 +53,8 @@ impl Timer {
         if self.piece.is_empty() {
             self.first_line = line;
         }
-        self.piece.push(with_line(event, line.saturating_sub(self.first_line) + 1));
+        self.piece
+            .push(with_line(event, line.saturating_sub(self.first_line) + 1));
         if self.piece.len() >= PIECE {
             self.flush();
         }
@@ -104,7 +105,11 @@ impl TimeTable {
     /// Planned seconds until `line` is done.
     pub fn at(&self, line: usize) -> f64 {
         let next = self.marks.partition_point(|m| m.0 <= line);
-        let before = next.checked_sub(1).and_then(|i| self.marks.get(i)).copied().unwrap_or((0, 0.0));
+        let before = next
+            .checked_sub(1)
+            .and_then(|i| self.marks.get(i))
+            .copied()
+            .unwrap_or((0, 0.0));
         match self.marks.get(next) {
             Some(after) if after.0 > before.0 => {
                 let share = line.saturating_sub(before.0) as f64 / (after.0 - before.0) as f64;
@@ -155,11 +160,21 @@ mod tests {
 
     #[test]
     fn the_table_is_the_planners_time_and_rises() {
-        let text: String = (0..20_000).map(|i| format!("G1 X{} Y{} F1000\n", i % 7, i % 11)).collect();
+        let text: String = (0..20_000)
+            .map(|i| format!("G1 X{} Y{} F1000\n", i % 7, i % 11))
+            .collect();
         let machine = Machine::load(crate::machine::DEFAULT_MACHINE).unwrap();
-        let whole = program_time(&interpret(&text, Dialect::Grbl).unwrap().events, &Settings::from(&machine));
+        let whole = program_time(
+            &interpret(&text, Dialect::Grbl).unwrap().events,
+            &Settings::from(&machine),
+        );
         let t = table(&text);
-        assert!((t.total / whole.total.0 - 1.0).abs() < 1e-3, "{} {}", t.total, whole.total.0);
+        assert!(
+            (t.total / whole.total.0 - 1.0).abs() < 1e-3,
+            "{} {}",
+            t.total,
+            whole.total.0
+        );
         assert!(t.marks.len() <= MOST_MARKS);
         let mut last = 0.0;
         for line in (0..21_000).step_by(37) {

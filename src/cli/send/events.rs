@@ -134,7 +134,9 @@ pub fn of(news: &Progress, planned_s: f64, left_s: f64) -> Event {
             lines_acknowledged: span.lines.end,
             line: span.source,
         },
-        Progress::Refused { source, text, code, .. } => Event::Refused {
+        Progress::Refused {
+            source, text, code, ..
+        } => Event::Refused {
             line: *source,
             text: text.clone(),
             code: *code,
@@ -241,7 +243,11 @@ mod tests {
     use crate::wire::{Buffer, Overrides, Realtime, State};
 
     fn json(news: &Progress) -> String {
-        serde_json::to_string(&Line { t_s: 1.5, event: of(news, 100.0, 42.1234) }).unwrap()
+        serde_json::to_string(&Line {
+            t_s: 1.5,
+            event: of(news, 100.0, 42.1234),
+        })
+        .unwrap()
     }
 
     #[test]
@@ -256,24 +262,64 @@ mod tests {
             machine_position: None,
             feed: Some(800.0),
             speed: None,
-            overrides: Some(Overrides { feed: 110, rapid: 100, spindle: 100 }),
+            overrides: Some(Overrides {
+                feed: 110,
+                rapid: 100,
+                spindle: 100,
+            }),
             accessories: "SF".into(),
             pins: String::new(),
-            buffer: Some(Buffer { blocks: 3, bytes: 12 }),
+            buffer: Some(Buffer {
+                blocks: 3,
+                bytes: 12,
+            }),
             in_flight: 99,
         };
         assert_eq!(
             json(&Progress::Report(Box::new(report))),
             r#"{"t_s":1.5,"event":"report","state":"Run","line":17,"lines_sent":12,"lines_acknowledged":10,"work_position_mm":[1.0,2.0,-0.5],"machine_position_mm":null,"feed_mm_per_min":800.0,"spindle_rpm":null,"feed_override_percent":110,"rapid_override_percent":100,"spindle_override_percent":100,"accessories":"SF","pins":"","planner_blocks_free":3,"in_flight_bytes":99,"left_s":42.123}"#
         );
-        assert_eq!(json(&Progress::Sent(Span { lines: 3..5, source: 9 })), r#"{"t_s":1.5,"event":"sent","lines_sent":5,"line":9}"#);
-        let prompt = Prompt { source: 4, kind: PromptKind::ToolChange { tool: 2 }, text: Some("ball 6".into()) };
-        assert_eq!(json(&Progress::Prompt(prompt)), r#"{"t_s":1.5,"event":"prompt","kind":"tool_change","line":4,"tool":2,"text":"ball 6"}"#);
-        assert_eq!(json(&Progress::Stall(Some(Stall::PlannerFull { line: 3 }))), r#"{"t_s":1.5,"event":"stall","kind":"planner_full","text":"line 3 waits for the motion before it: the planner is full"}"#);
-        assert_eq!(json(&Progress::Stall(None)), r#"{"t_s":1.5,"event":"stall","kind":null,"text":""}"#);
-        assert_eq!(json(&Progress::Adjusted { what: Realtime::FeedPlus10, confirmed: true }), r#"{"t_s":1.5,"event":"adjusted","what":"feed_plus10","confirmed":true}"#);
+        assert_eq!(
+            json(&Progress::Sent(Span {
+                lines: 3..5,
+                source: 9
+            })),
+            r#"{"t_s":1.5,"event":"sent","lines_sent":5,"line":9}"#
+        );
+        let prompt = Prompt {
+            source: 4,
+            kind: PromptKind::ToolChange { tool: 2 },
+            text: Some("ball 6".into()),
+        };
+        assert_eq!(
+            json(&Progress::Prompt(prompt)),
+            r#"{"t_s":1.5,"event":"prompt","kind":"tool_change","line":4,"tool":2,"text":"ball 6"}"#
+        );
+        assert_eq!(
+            json(&Progress::Stall(Some(Stall::PlannerFull { line: 3 }))),
+            r#"{"t_s":1.5,"event":"stall","kind":"planner_full","text":"line 3 waits for the motion before it: the planner is full"}"#
+        );
+        assert_eq!(
+            json(&Progress::Stall(None)),
+            r#"{"t_s":1.5,"event":"stall","kind":null,"text":""}"#
+        );
+        assert_eq!(
+            json(&Progress::Adjusted {
+                what: Realtime::FeedPlus10,
+                confirmed: true
+            }),
+            r#"{"t_s":1.5,"event":"adjusted","what":"feed_plus10","confirmed":true}"#
+        );
         assert_eq!(json(&Progress::Resumed), r#"{"t_s":1.5,"event":"resumed"}"#);
-        assert_eq!(json(&Progress::Started { total: 7 }), r#"{"t_s":1.5,"event":"started","lines_total":7,"planned_s":100.0}"#);
-        assert_eq!(json(&Progress::Unplugged { source: Some((3, 8)) }), r#"{"t_s":1.5,"event":"unplugged","first_line":3,"last_line":8}"#);
+        assert_eq!(
+            json(&Progress::Started { total: 7 }),
+            r#"{"t_s":1.5,"event":"started","lines_total":7,"planned_s":100.0}"#
+        );
+        assert_eq!(
+            json(&Progress::Unplugged {
+                source: Some((3, 8))
+            }),
+            r#"{"t_s":1.5,"event":"unplugged","first_line":3,"last_line":8}"#
+        );
     }
 }

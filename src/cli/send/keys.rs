@@ -55,7 +55,11 @@ pub fn wish(c: char) -> Option<Command> {
 /// What a line typed without a screen means.
 pub fn wish_of_line(line: &str) -> Option<Command> {
     let line = line.trim_end_matches(['\r', '\n']);
-    let mut chars = if line == " " { line.chars() } else { line.trim().chars() };
+    let mut chars = if line == " " {
+        line.chars()
+    } else {
+        line.trim().chars()
+    };
     match (chars.next(), chars.next()) {
         (Some(c), None) => wish(c),
         _ => None,
@@ -76,9 +80,20 @@ mod tests {
         assert_eq!(pressed(&ctrl_c), Some(Pressed::Interrupt));
         let ctrl_x = KeyEvent::new(KeyCode::Char('x'), KeyModifiers::CONTROL);
         assert_eq!(pressed(&ctrl_x), None);
-        assert_eq!(pressed(&KeyEvent::new_with_kind(KeyCode::Char('r'), KeyModifiers::NONE, KeyEventKind::Release)), None);
+        assert_eq!(
+            pressed(&KeyEvent::new_with_kind(
+                KeyCode::Char('r'),
+                KeyModifiers::NONE,
+                KeyEventKind::Release
+            )),
+            None
+        );
         // Every key of the help line does something.
-        for word in super::super::board::KEYS.join(" ").split_whitespace().filter(|w| w.len() == 1 && *w != "%") {
+        for word in super::super::board::KEYS
+            .join(" ")
+            .split_whitespace()
+            .filter(|w| w.len() == 1 && *w != "%")
+        {
             assert!(word.chars().all(|c| wish(c).is_some()), "{word}");
         }
     }

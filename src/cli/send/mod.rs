@@ -20,8 +20,8 @@ use crate::kinematics::Settings;
 use crate::link::journal::{JournalFile, Keeper};
 use crate::link::vet::{VetOptions, vet};
 use crate::link::{
-    Ending, Introduction, IntroductionOptions, Job, JobError, Known, NotIntroduced, Outcome, Session, SessionOptions, Text, introduce,
-    port,
+    Ending, Introduction, IntroductionOptions, Job, JobError, Known, NotIntroduced, Outcome,
+    Session, SessionOptions, Text, introduce, port,
 };
 use crate::machine::Machine;
 use board::Board;
@@ -165,7 +165,10 @@ fn send(args: &SendArgs, out: &mut dyn Write) -> Result<u8, Failure> {
     let source = Arc::new(Text(text.as_str().into()));
     let mut timer = Timer::new(settings);
     // What is wrong with it whatever the machine is told before a port is opened: opening restarts most boards.
-    let rough = vet(source.clone(), VetOptions::default(), &mut |line, event| timer.hear(line.source, event)).map_err(refused)?;
+    let rough = vet(source.clone(), VetOptions::default(), &mut |line, event| {
+        timer.hear(line.source, event)
+    })
+    .map_err(refused)?;
     let times = timer.finish();
     if args.dry_run {
         writeln!(
@@ -179,14 +182,19 @@ fn send(args: &SendArgs, out: &mut dyn Write) -> Result<u8, Failure> {
     if let Some(plate) = args.tool_plate
         && !(0.0..=200.0).contains(&plate)
     {
-        return Err(cannot(format!("--tool-plate {plate}: must be from 0 to 200 mm")));
+        return Err(cannot(format!(
+            "--tool-plate {plate}: must be from 0 to 200 mm"
+        )));
     }
     let simulated = args.port == "sim";
     let pty = match simulated {
         true => Some(Pty::start(Controller::of_machine(&machine), args.speed).map_err(cannot)?),
         false => None,
     };
-    let path = pty.as_ref().map_or(args.port.as_str(), Pty::path).to_string();
+    let path = pty
+        .as_ref()
+        .map_or(args.port.as_str(), Pty::path)
+        .to_string();
     if simulated {
         say(&format!("simulated controller on {path}"));
     }
@@ -200,14 +208,23 @@ fn send(args: &SendArgs, out: &mut dyn Write) -> Result<u8, Failure> {
         },
         Duration::ZERO,
     );
-    let known = introduce(introduction, &mut port, &mut || start.elapsed()).map_err(|e| match &e {
-        NotIntroduced::Controller(crate::link::Unknown::Busy(_)) => Failure { code: 1, message: e.to_string() },
-        _ => cannot(e),
-    })?;
+    let known =
+        introduce(introduction, &mut port, &mut || start.elapsed()).map_err(|e| match &e {
+            NotIntroduced::Controller(crate::link::Unknown::Busy(_)) => Failure {
+                code: 1,
+                message: e.to_string(),
+            },
+            _ => cannot(e),
+        })?;
     let plan = Plan::make(args, &machine, &text, &known)?;
     let job = match plan.job {
         Some(job) => job,
-        None => vet(source, VetOptions::of(&known, Some(machine.travel.map(|t| t.0))), &mut |_, _| {}).map_err(refused)?,
+        None => vet(
+            source,
+            VetOptions::of(&known, Some(machine.travel.map(|t| t.0))),
+            &mut |_, _| {},
+        )
+        .map_err(refused)?,
     };
     let journal = match plan.begin {
         Some(begin) => Some(open_journal(args, *begin, &job)?),
@@ -220,7 +237,8 @@ fn send(args: &SendArgs, out: &mut dyn Write) -> Result<u8, Failure> {
             times,
             ..Board::default()
         };
-        let mut listener = Listener::new(board, args.events.as_deref(), args.plain).map_err(cannot)?;
+        let mut listener =
+            Listener::new(board, args.events.as_deref(), args.plain).map_err(cannot)?;
         let _awake = match simulated {
             true => None,
             false => awake::Awake::hold().map_err(|why| listener.note(&why)).ok(),
@@ -253,7 +271,12 @@ struct Plan {
 }
 
 impl Plan {
-    fn make(args: &SendArgs, machine: &Machine, text: &str, known: &Known) -> Result<Plan, Failure> {
+    fn make(
+        args: &SendArgs,
+        machine: &Machine,
+        text: &str,
+        known: &Known,
+    ) -> Result<Plan, Failure> {
         let subject = Subject {
             path: &args.program,
             bytes: text.as_bytes(),
@@ -284,7 +307,10 @@ impl Plan {
         say(&plan.to_string());
         resume::ask(take_up.yes)?;
         if kept {
-            resume::set_aside(&resume::journal_path(&args.program, take_up.journal.as_deref()))?;
+            resume::set_aside(&resume::journal_path(
+                &args.program,
+                take_up.journal.as_deref(),
+            ))?;
         }
         Ok(Plan {
             job: Some(job),
@@ -294,7 +320,11 @@ impl Plan {
     }
 }
 
-fn open_journal(args: &SendArgs, begin: crate::link::journal::Begin, job: &Job) -> Result<Journal, Failure> {
+fn open_journal(
+    args: &SendArgs,
+    begin: crate::link::journal::Begin,
+    job: &Job,
+) -> Result<Journal, Failure> {
     let path = resume::journal_path(&args.program, args.take_up.journal.as_deref());
     let (keeper, first) = Keeper::new(begin, job).map_err(cannot)?;
     let file = JournalFile::create(&path, &first).map_err(|e| {
@@ -306,7 +336,12 @@ fn open_journal(args: &SendArgs, begin: crate::link::journal::Begin, job: &Job) 
     Ok(Journal { keeper, file })
 }
 
-fn tell(args: &SendArgs, out: &mut dyn Write, outcome: &Outcome, pty: Option<&Pty>) -> Result<u8, Failure> {
+fn tell(
+    args: &SendArgs,
+    out: &mut dyn Write,
+    outcome: &Outcome,
+    pty: Option<&Pty>,
+) -> Result<u8, Failure> {
     let (machine_time_s, machine_time_source) = match pty {
         Some(pty) => (pty.readout().elapsed_s, "controller"),
         None => (outcome.running_s, "host"),

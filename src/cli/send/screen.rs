@@ -16,7 +16,11 @@ pub struct Screen {
 
 /// Gives the terminal back. Safe to call more than once.
 fn give_back() {
-    let _ = execute!(std::io::stderr(), cursor::Show, terminal::LeaveAlternateScreen);
+    let _ = execute!(
+        std::io::stderr(),
+        cursor::Show,
+        terminal::LeaveAlternateScreen
+    );
     let _ = terminal::disable_raw_mode();
 }
 
@@ -35,7 +39,13 @@ impl Screen {
             }));
         });
         terminal::enable_raw_mode().ok()?;
-        if execute!(std::io::stderr(), terminal::EnterAlternateScreen, cursor::Hide).is_err() {
+        if execute!(
+            std::io::stderr(),
+            terminal::EnterAlternateScreen,
+            cursor::Hide
+        )
+        .is_err()
+        {
             give_back();
             return None;
         }

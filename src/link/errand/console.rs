@@ -73,9 +73,15 @@ pub fn judge(typed: &str, known: &Known) -> Verdict {
         return refuse("% belongs to files, not to the controller");
     }
     if text.len() > LINE_CHARS {
-        return Verdict::Refuse(format!("the line has {} characters, and GRBL takes {LINE_CHARS}", text.len()));
+        return Verdict::Refuse(format!(
+            "the line has {} characters, and GRBL takes {LINE_CHARS}",
+            text.len()
+        ));
     }
-    let send = |rule| Exchange { text: text.clone(), rule };
+    let send = |rule| Exchange {
+        text: text.clone(),
+        rule,
+    };
     match text.strip_prefix('$') {
         Some(dollar) => judge_dollar(dollar, known, send),
         None => judge_code(&text, send),
@@ -96,28 +102,42 @@ fn judge_dollar(dollar: &str, known: &Known, send: impl Fn(Rule) -> Exchange) ->
         return Verdict::Send(send(Rule::Silent(HOMING)));
     }
     if dollar.starts_with('H') && grbl && !known.letters.contains('H') {
-        return refuse("this build has no homing of single axes, and would hang until a reset: use $H");
+        return refuse(
+            "this build has no homing of single axes, and would hang until a reset: use $H",
+        );
     }
     if let Some((n, _)) = dollar.strip_prefix('N').and_then(|n| n.split_once('=')) {
         return match n {
-            "0" | "1" => Verdict::Ask(send(Rule::Writer), "a start-up line is run at once, and at every start"),
+            "0" | "1" => Verdict::Ask(
+                send(Rule::Writer),
+                "a start-up line is run at once, and at every start",
+            ),
             _ => refuse("only $N0= and $N1= exist; others overwrite the controller's memory"),
         };
     }
     if dollar.starts_with("RST=") {
-        return Verdict::Ask(send(Rule::Writer), "this erases settings or offsets: save them first");
+        return Verdict::Ask(
+            send(Rule::Writer),
+            "this erases settings or offsets: save them first",
+        );
     }
     if dollar.starts_with("I=") {
         return Verdict::Send(send(Rule::Writer));
     }
     if dollar == "SLP" {
-        return Verdict::Ask(send(Rule::Plain), "the motors go dead, and only a reset wakes the controller, locked");
+        return Verdict::Ask(
+            send(Rule::Plain),
+            "the motors go dead, and only a reset wakes the controller, locked",
+        );
     }
     if let Some((number, value)) = dollar.split_once('=')
         && let Ok(number) = number.parse::<u16>()
     {
         return match check(number, value, known) {
-            Ok(()) => Verdict::Ask(send(Rule::Writer), "this changes how the machine moves, for good"),
+            Ok(()) => Verdict::Ask(
+                send(Rule::Writer),
+                "this changes how the machine moves, for good",
+            ),
             Err(why) => Verdict::Refuse(why),
         };
     }
@@ -126,7 +146,11 @@ fn judge_dollar(dollar: &str, known: &Known, send: impl Fn(Rule) -> Exchange) ->
 
 fn judge_code(text: &str, send: impl Fn(Rule) -> Exchange) -> Verdict {
     let codes = codes(text);
-    let has = |letter: char, number: f64| codes.iter().any(|(l, n)| *l == letter && (n - number).abs() < 5e-3);
+    let has = |letter: char, number: f64| {
+        codes
+            .iter()
+            .any(|(l, n)| *l == letter && (n - number).abs() < 5e-3)
+    };
     let writes = has('G', 10.0) || has('G', 28.1) || has('G', 30.1);
     let rule = if writes { Rule::Writer } else { Rule::Motion };
     if text.is_empty() {
@@ -136,7 +160,10 @@ fn judge_code(text: &str, send: impl Fn(Rule) -> Exchange) -> Verdict {
         return Verdict::Ask(send(rule), "the spindle starts");
     }
     if has('G', 28.0) || has('G', 30.0) {
-        return Verdict::Ask(send(rule), "the machine drives to a stored place on a straight line");
+        return Verdict::Ask(
+            send(rule),
+            "the machine drives to a stored place on a straight line",
+        );
     }
     Verdict::Send(send(rule))
 }
@@ -146,9 +173,15 @@ fn codes(text: &str) -> Vec<(char, f64)> {
     let mut found = Vec::new();
     let mut rest = text;
     while let Some(at) = rest.find(['G', 'M']) {
-        let letter = if rest.get(at..).is_some_and(|r| r.starts_with('G')) { 'G' } else { 'M' };
+        let letter = if rest.get(at..).is_some_and(|r| r.starts_with('G')) {
+            'G'
+        } else {
+            'M'
+        };
         rest = rest.get(at + 1..).unwrap_or_default();
-        let end = rest.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(rest.len());
+        let end = rest
+            .find(|c: char| !c.is_ascii_digit() && c != '.')
+            .unwrap_or(rest.len());
         if let Some(number) = rest.get(..end).and_then(|n| n.parse().ok()) {
             found.push((letter, number));
         }
@@ -201,7 +234,9 @@ impl Task for Console {
     fn next(&mut self, now: &mut Situation<'_>) -> Result<Step, ErrandError> {
         match self.lines.pop_front() {
             Some(line) => Ok(Step::Send(line)),
-            None if self.quit && (now.known.state.at_rest() || now.status.is_none()) => Ok(Step::Done),
+            None if self.quit && (now.known.state.at_rest() || now.status.is_none()) => {
+                Ok(Step::Done)
+            }
             None => Ok(Step::Listen),
         }
     }
@@ -219,7 +254,9 @@ mod tests {
     use proptest::prelude::*;
 
     fn known() -> Known {
-        let mut known = Introduction::new(IntroductionOptions::default(), Duration::ZERO).known().clone();
+        let mut known = Introduction::new(IntroductionOptions::default(), Duration::ZERO)
+            .known()
+            .clone();
         known.settings = vec![(2, 0.0), (22, 0.0), (110, 500.0)];
         known
     }
@@ -243,13 +280,31 @@ mod tests {
 
     #[test]
     fn dangerous_lines_are_asked_or_refused() {
-        for text in ["M3 S1000", "m04", "G28", "$110=400", "$N0=G20", "$RST=*", "$slp"] {
+        for text in [
+            "M3 S1000", "m04", "G28", "$110=400", "$N0=G20", "$RST=*", "$slp",
+        ] {
             assert!(matches!(judge(text, &known()), Verdict::Ask(..)), "{text}");
         }
-        for text in ["$J=F600", "$HX", "$N2=G0", "G0 X1 !", "/G0 X1", "%", "$2=300", "$110=-1", "$999=1", "G0 X\u{e9}"] {
-            assert!(matches!(judge(text, &known()), Verdict::Refuse(_)), "{text}");
+        for text in [
+            "$J=F600",
+            "$HX",
+            "$N2=G0",
+            "G0 X1 !",
+            "/G0 X1",
+            "%",
+            "$2=300",
+            "$110=-1",
+            "$999=1",
+            "G0 X\u{e9}",
+        ] {
+            assert!(
+                matches!(judge(text, &known()), Verdict::Refuse(_)),
+                "{text}"
+            );
         }
-        let Verdict::Refuse(why) = judge("$2=300", &known()) else { panic!() };
+        let Verdict::Refuse(why) = judge("$2=300", &known()) else {
+            panic!()
+        };
         assert!(why.contains("255"), "{why}");
     }
 

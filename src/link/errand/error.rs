@@ -56,7 +56,9 @@ pub enum ErrandError {
         moving: bool,
     },
     /// Idle, but the answer never came.
-    #[error("the machine is idle, but `{0}` was never answered: a reply was lost on the cable. Check the cable and its shielding")]
+    #[error(
+        "the machine is idle, but `{0}` was never answered: a reply was lost on the cable. Check the cable and its shielding"
+    )]
     LostReply(String),
     /// The operator stopped it.
     #[error("stopped by the operator{}", if *.position_kept { ": the machine is at rest, its position is kept" } else { ": the position is lost, home it before going on" })]
@@ -76,7 +78,9 @@ pub enum ErrandError {
     #[error("{0}")]
     NotPossible(String),
     /// What was written does not read back.
-    #[error("{what} reads back as {found} instead of {wanted}: bytes were damaged on the way, or the memory is worn. Nothing may be cut until it is right")]
+    #[error(
+        "{what} reads back as {found} instead of {wanted}: bytes were damaged on the way, or the memory is worn. Nothing may be cut until it is right"
+    )]
     ReadBack {
         /// What was written.
         what: String,
@@ -90,7 +94,8 @@ pub enum ErrandError {
 fn error_words(code: u16) -> String {
     match error_meaning(code) {
         Some(Meaning { what, advice, .. }) => format!(": {what}. {advice}"),
-        None => ", a number this table does not know: look it up in your firmware's documentation".to_string(),
+        None => ", a number this table does not know: look it up in your firmware's documentation"
+            .to_string(),
     }
 }
 
@@ -99,7 +104,11 @@ fn alarm_words(code: u16, more: &str) -> String {
         Some(Meaning { what, advice, .. }) => format!(": {what}. {advice}"),
         None => ", a number this table does not know: look it up in your firmware's documentation and home before going on".to_string(),
     };
-    if more.is_empty() { words } else { format!("{words} {more}") }
+    if more.is_empty() {
+        words
+    } else {
+        format!("{words} {more}")
+    }
 }
 
 #[cfg(test)]
@@ -109,17 +118,39 @@ mod tests {
 
     #[test]
     fn texts_say_what_happened_and_what_to_do() {
-        let e = ErrandError::Refused { text: "$H".into(), code: 5 };
+        let e = ErrandError::Refused {
+            text: "$H".into(),
+            code: 5,
+        };
         assert_eq!(
             e.to_string(),
             "the controller refused `$H` with error:5: homing is switched off ($22=0). Set $22=1 if the machine has limit switches, or \
              zero it by hand."
         );
-        let e = ErrandError::Alarm { code: 99, doing: "homing".into(), more: "" };
-        assert!(e.to_string().starts_with("ALARM:99 during homing, a number this table does not know"));
-        let e = ErrandError::Cancelled { position_kept: true };
-        assert_eq!(e.to_string(), "stopped by the operator: the machine is at rest, its position is kept");
-        assert!(ErrandError::Broken { why: "gone".into(), moving: true }.to_string().contains("stop it at the machine"));
+        let e = ErrandError::Alarm {
+            code: 99,
+            doing: "homing".into(),
+            more: "",
+        };
+        assert!(
+            e.to_string()
+                .starts_with("ALARM:99 during homing, a number this table does not know")
+        );
+        let e = ErrandError::Cancelled {
+            position_kept: true,
+        };
+        assert_eq!(
+            e.to_string(),
+            "stopped by the operator: the machine is at rest, its position is kept"
+        );
+        assert!(
+            ErrandError::Broken {
+                why: "gone".into(),
+                moving: true
+            }
+            .to_string()
+            .contains("stop it at the machine")
+        );
         assert!(ErrandError::Locked.to_string().contains("morsemill unlock"));
     }
 }

@@ -54,7 +54,9 @@ impl Task for Home {
         match code {
             6 | 7 => "Home again.",
             8 => "Look whether a switch stays pressed; a larger pull-off ($27) may help.",
-            9 => "Look whether the switches work and the axes move towards them ($23); the travel ($130 to $132) may be set too short.",
+            9 => {
+                "Look whether the switches work and the axes move towards them ($23); the travel ($130 to $132) may be set too short."
+            }
             _ => "",
         }
     }
@@ -70,7 +72,10 @@ fn patience(known: &Known) -> Duration {
     let figure = |n: u16, instead: f64| known.setting(n).filter(|v| *v > 0.0).unwrap_or(instead);
     let (locate, seek, pull_off) = (figure(24, 25.0), figure(25, 500.0), figure(27, 1.0));
     let cycle = |axes: &[u16]| {
-        let travel = axes.iter().map(|n| figure(*n, 500.0).min(LONGEST_TRAVEL)).fold(0.0, f64::max);
+        let travel = axes
+            .iter()
+            .map(|n| figure(*n, 500.0).min(LONGEST_TRAVEL))
+            .fold(0.0, f64::max);
         (1.5 * travel + pull_off) / seek + 5.0 * pull_off / locate + pull_off / seek
     };
     let minutes = cycle(&[132]) + cycle(&[130, 131]);

@@ -63,7 +63,10 @@ impl JogMove {
         let wrong = |text: String| Err(ErrandError::NotPossible(text));
         let far = FARTHEST / self.units.mm();
         if !(self.feed.is_finite() && self.feed > 0.0 && self.feed * self.units.mm() <= FASTEST) {
-            return wrong(format!("a jog needs a feed above zero and at most {FASTEST} mm/min, not {}", self.feed));
+            return wrong(format!(
+                "a jog needs a feed above zero and at most {FASTEST} mm/min, not {}",
+                self.feed
+            ));
         }
         let mut line = String::from("$J=");
         line += match self.units {
@@ -79,14 +82,19 @@ impl JogMove {
         for (letter, value) in ['X', 'Y', 'Z'].into_iter().zip(self.axes) {
             let Some(value) = value else { continue };
             if !(value.is_finite() && value.abs() <= far) {
-                return wrong(format!("{letter}{value} is farther than any machine goes ({FARTHEST} mm)"));
+                return wrong(format!(
+                    "{letter}{value} is farther than any machine goes ({FARTHEST} mm)"
+                ));
             }
             line.push(letter);
             line += &number(value);
             words += 1;
         }
         if words == 0 {
-            return wrong("say which axis to jog: a jog without X, Y or Z would drive to machine zero".to_string());
+            return wrong(
+                "say which axis to jog: a jog without X, Y or Z would drive to machine zero"
+                    .to_string(),
+            );
         }
         line.push('F');
         // More decimals than a feed has must not make it zero.
@@ -157,7 +165,11 @@ impl Task for Jog {
 }
 
 /// Refuses what a locked or busy controller would.
-pub(super) fn ready(known: &Known, doing: &'static str, states: &[State]) -> Result<(), ErrandError> {
+pub(super) fn ready(
+    known: &Known,
+    doing: &'static str,
+    states: &[State],
+) -> Result<(), ErrandError> {
     match &known.state {
         State::Alarm => Err(ErrandError::Locked),
         state if states.contains(state) => Ok(()),
@@ -185,7 +197,11 @@ pub(super) fn room(known: &Known, axis: usize) -> Option<(f64, f64)> {
 }
 
 /// Refuses a target outside the room. A move that comes back from outside is allowed.
-pub(super) fn within_travel(known: &Known, from: [f64; 3], to: [f64; 3]) -> Result<(), ErrandError> {
+pub(super) fn within_travel(
+    known: &Known,
+    from: [f64; 3],
+    to: [f64; 3],
+) -> Result<(), ErrandError> {
     for (axis, letter) in ['X', 'Y', 'Z'].into_iter().enumerate() {
         let Some((low, high)) = room(known, axis) else {
             continue;
@@ -213,16 +229,48 @@ mod tests {
 
     #[test]
     fn lines_are_whole_or_refused() {
-        let jog = JogMove { axes: [Some(10.0), None, Some(-0.5)], feed: 500.0, ..JogMove::default() };
+        let jog = JogMove {
+            axes: [Some(10.0), None, Some(-0.5)],
+            feed: 500.0,
+            ..JogMove::default()
+        };
         assert_eq!(jog.line().unwrap(), "$J=G21G91X10Z-0.5F500");
-        let jog = JogMove { axes: [None, Some(1.0), None], feed: 10.0, units: JogUnits::Inch, reach: Reach::Machine };
+        let jog = JogMove {
+            axes: [None, Some(1.0), None],
+            feed: 10.0,
+            units: JogUnits::Inch,
+            reach: Reach::Machine,
+        };
         assert_eq!(jog.line().unwrap(), "$J=G20G53Y1F10");
-        let none = JogMove { feed: 600.0, ..JogMove::default() };
-        assert_eq!(none.line().unwrap_err().to_string(), "say which axis to jog: a jog without X, Y or Z would drive to machine zero");
-        let still = JogMove { axes: [Some(1.0); 3], feed: 0.0, ..JogMove::default() };
-        assert!(still.line().unwrap_err().to_string().starts_with("a jog needs a feed above zero"));
-        let far = JogMove { axes: [Some(1e9), None, None], feed: 1.0, ..JogMove::default() };
-        assert_eq!(far.line().unwrap_err().to_string(), "X1000000000 is farther than any machine goes (20000 mm)");
+        let none = JogMove {
+            feed: 600.0,
+            ..JogMove::default()
+        };
+        assert_eq!(
+            none.line().unwrap_err().to_string(),
+            "say which axis to jog: a jog without X, Y or Z would drive to machine zero"
+        );
+        let still = JogMove {
+            axes: [Some(1.0); 3],
+            feed: 0.0,
+            ..JogMove::default()
+        };
+        assert!(
+            still
+                .line()
+                .unwrap_err()
+                .to_string()
+                .starts_with("a jog needs a feed above zero")
+        );
+        let far = JogMove {
+            axes: [Some(1e9), None, None],
+            feed: 1.0,
+            ..JogMove::default()
+        };
+        assert_eq!(
+            far.line().unwrap_err().to_string(),
+            "X1000000000 is farther than any machine goes (20000 mm)"
+        );
     }
 
     proptest! {

@@ -26,7 +26,7 @@ mod travel;
 mod unlock;
 mod zero;
 
-pub use console::{Console, Verdict, key, judge};
+pub use console::{Console, Verdict, judge, key};
 pub use error::ErrandError;
 pub use exchange::{Exchange, Heard, News, Rule, Situation, Step, Task};
 pub use home::Home;

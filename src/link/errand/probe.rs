@@ -84,7 +84,10 @@ impl Probe {
     /// A line down to machine Z `to`.
     fn down(known: &Known, to: f64, feed: f64) -> Result<Step, ErrandError> {
         let z = number(to - offset(known)?);
-        Ok(Step::send(format!("G21G90G94G38.2Z{z}F{}", number(feed)), Rule::Motion))
+        Ok(Step::send(
+            format!("G21G90G94G38.2Z{z}F{}", number(feed)),
+            Rule::Motion,
+        ))
     }
 
     /// A line up to machine Z `to`, but never beyond the room and never down.
@@ -144,7 +147,10 @@ impl Task for Probe {
             }
             6 => Ok(Step::Settle),
             7 => {
-                let touch = self.touch.unwrap_or(Touch { first: 0.0, second: f64::NAN });
+                let touch = self.touch.unwrap_or(Touch {
+                    first: 0.0,
+                    second: f64::NAN,
+                });
                 let apart = (touch.first - touch.second).abs();
                 if apart.is_nan() || apart > o.agreement {
                     return Err(ErrandError::NotPossible(format!(
@@ -159,7 +165,10 @@ impl Task for Probe {
                 }
                 // L2 is absolute in machine coordinates, so the trigger point is what counts, not where the tool stands.
                 let origin = touch.second - o.plate - shift(known, 2);
-                Ok(Step::send(format!("G21G10L2P0Z{}", number(origin)), Rule::Writer))
+                Ok(Step::send(
+                    format!("G21G10L2P0Z{}", number(origin)),
+                    Rule::Writer,
+                ))
             }
             8 => Ok(Step::send("$#", Rule::Plain)),
             9 => {
@@ -205,7 +214,9 @@ impl Probe {
         ];
         for (name, value, most) in above_zero {
             if !(value.is_finite() && value > 0.0 && value <= most) {
-                return Err(ErrandError::NotPossible(format!("{name} must be above zero and at most {most}, not {value}")));
+                return Err(ErrandError::NotPossible(format!(
+                    "{name} must be above zero and at most {most}, not {value}"
+                )));
             }
         }
         if !(o.plate.is_finite() && (0.0..=200.0).contains(&o.plate)) {
@@ -232,7 +243,10 @@ impl Probe {
             }
         }
         if let Some(feed) = self.modes.value('F').filter(|f| *f > 0.0) {
-            now.notes.push(format!("the modal feed was F{} and is the probing feed now", number(feed)));
+            now.notes.push(format!(
+                "the modal feed was F{} and is the probing feed now",
+                number(feed)
+            ));
         }
         Ok(Step::send(line, Rule::Plain))
     }

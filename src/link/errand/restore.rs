@@ -38,7 +38,10 @@ impl Restore {
     ///
     /// # Errors
     /// A value that this controller must not be given.
-    pub fn plan(wanted: &[(u16, String)], known: &Known) -> Result<Vec<(u16, String)>, ErrandError> {
+    pub fn plan(
+        wanted: &[(u16, String)],
+        known: &Known,
+    ) -> Result<Vec<(u16, String)>, ErrandError> {
         let mut plan = Vec::new();
         for (number, value) in wanted {
             check(*number, value, known).map_err(ErrandError::NotPossible)?;
@@ -93,11 +96,20 @@ impl Task for Restore {
                 });
             }
         }
-        if self.written.iter().any(|(n, _)| MOVES_THE_ORIGIN.contains(n)) {
-            now.notes.push("the position means another place now: home again and set zero anew".to_string());
+        if self
+            .written
+            .iter()
+            .any(|(n, _)| MOVES_THE_ORIGIN.contains(n))
+        {
+            now.notes.push(
+                "the position means another place now: home again and set zero anew".to_string(),
+            );
         }
         if self.written.iter().any(|(n, _)| matches!(n, 4 | 5)) {
-            now.notes.push("$4 and $5 are safe only after a reset: switch the controller off and on".to_string());
+            now.notes.push(
+                "$4 and $5 are safe only after a reset: switch the controller off and on"
+                    .to_string(),
+            );
         }
         Ok(Step::Done)
     }
@@ -106,27 +118,35 @@ impl Task for Restore {
 /// A value that may be written to this controller.
 pub(super) fn check(number: u16, value: &str, known: &Known) -> Result<(), String> {
     let line = format!("${number}={value}");
-    let plain = value.bytes().all(|b| b > b' ' && b < 0x7F && !b"?~!;()$%/".contains(&b));
+    let plain = value
+        .bytes()
+        .all(|b| b > b' ' && b < 0x7F && !b"?~!;()$%/".contains(&b));
     if !plain || value.is_empty() || line.len() > LINE_CHARS {
         return Err(format!(
             "${number}: the value has characters that cannot travel in a $ line"
         ));
     }
     if !known.settings.is_empty() && known.setting(number).is_none() {
-        return Err(format!("${number}: this controller has no such setting: take the line out of the file"));
+        return Err(format!(
+            "${number}: this controller has no such setting: take the line out of the file"
+        ));
     }
     match known.firmware {
         Firmware::Grbl11 | Firmware::Unknown => {
-            SettingsFile::read("setting", &line).map_err(|e| match e.to_string().split_once(' ') {
-                // Its place is a file of one line that nobody has.
-                Some((place, words)) if place.starts_with("setting") => words.to_string(),
-                _ => e.to_string(),
+            SettingsFile::read("setting", &line).map_err(|e| {
+                match e.to_string().split_once(' ') {
+                    // Its place is a file of one line that nobody has.
+                    Some((place, words)) if place.starts_with("setting") => words.to_string(),
+                    _ => e.to_string(),
+                }
             })?;
             Ok(())
         }
         // Their ranges differ by build, and they check what they are given. A number must still be one.
         Firmware::GrblHal | Firmware::FluidNc => match value.parse::<f64>() {
-            Ok(v) if !v.is_finite() || v < 0.0 => Err(format!("${number}={value}: must not be negative")),
+            Ok(v) if !v.is_finite() || v < 0.0 => {
+                Err(format!("${number}={value}: must not be negative"))
+            }
             _ => Ok(()),
         },
     }
@@ -135,7 +155,10 @@ pub(super) fn check(number: u16, value: &str, known: &Known) -> Result<(), Strin
 /// What no single value can be blamed for, with what the controller has already.
 fn together(plan: &[(u16, String)], known: &Known) -> Result<(), String> {
     let after = |n: u16| {
-        let planned = plan.iter().find(|p| p.0 == n).and_then(|p| p.1.parse::<f64>().ok());
+        let planned = plan
+            .iter()
+            .find(|p| p.0 == n)
+            .and_then(|p| p.1.parse::<f64>().ok());
         planned.or(known.setting(n))
     };
     if after(20) == Some(1.0) && after(22) == Some(0.0) {

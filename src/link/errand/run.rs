@@ -128,7 +128,12 @@ impl<T: Task> Errand<T> {
         }
     }
 
-    fn with(task: T, options: ErrandOptions, introduction: Introduction, now: Duration) -> Errand<T> {
+    fn with(
+        task: T,
+        options: ErrandOptions,
+        introduction: Introduction,
+        now: Duration,
+    ) -> Errand<T> {
         Errand {
             task,
             options,
@@ -247,7 +252,10 @@ impl<T: Task> Errand<T> {
         match introduction.result() {
             None => {}
             Some(Err(why)) => {
-                let reachable = matches!(why, Unknown::Busy(_) | Unknown::Silent { alarm: Some(_), .. });
+                let reachable = matches!(
+                    why,
+                    Unknown::Busy(_) | Unknown::Silent { alarm: Some(_), .. }
+                );
                 let (known, why) = (introduction.known().clone(), why.clone());
                 if self.task.carries_on() && reachable {
                     self.known = known;
@@ -259,7 +267,8 @@ impl<T: Task> Errand<T> {
             }
             Some(Ok(known)) => {
                 self.known = known.clone();
-                self.news.push(News::Connected(Box::new(self.known.clone())));
+                self.news
+                    .push(News::Connected(Box::new(self.known.clone())));
                 self.enter(Phase::Deciding, now);
             }
         }
@@ -347,7 +356,11 @@ impl<T: Task> Errand<T> {
             Reply::Ok | Reply::Error(_) => self.answer(reply, now),
             Reply::Status(status) => {
                 if let Phase::Settling { idle } = &mut self.phase {
-                    *idle = if status.state == State::Idle { *idle + 1 } else { 0 };
+                    *idle = if status.state == State::Idle {
+                        *idle + 1
+                    } else {
+                        0
+                    };
                     if *idle >= IDLE_REPORTS && self.known.machine_position.is_some() {
                         self.moving = Moving::Nothing;
                         self.enter(Phase::Deciding, now);
@@ -365,7 +378,10 @@ impl<T: Task> Errand<T> {
         self.asked = None;
         self.known.hear(status);
         self.status = Some(status.clone());
-        self.news.push(News::Report(Box::new(status.clone()), Box::new(self.known.clone())));
+        self.news.push(News::Report(
+            Box::new(status.clone()),
+            Box::new(self.known.clone()),
+        ));
         if status.state == State::Idle {
             let since = *self.idle_since.get_or_insert(now);
             // A console's moves are not settled one by one.
@@ -474,12 +490,15 @@ impl<T: Task> Errand<T> {
             Phase::Listening | Phase::Deciding => self.options.poll,
             Phase::Waiting(e) if matches!(e.rule, Rule::Motion | Rule::Jog) => self.options.poll,
             // Soon, but no more than the 10 Hz that the firmware takes without harm.
-            Phase::Settling { .. } | Phase::JogStop { .. } | Phase::Stopping { .. } | Phase::LastLook => {
-                self.options.poll / 2
-            }
+            Phase::Settling { .. }
+            | Phase::JogStop { .. }
+            | Phase::Stopping { .. }
+            | Phase::LastLook => self.options.poll / 2,
             _ => return,
         };
-        let overdue = self.asked.is_some_and(|t| now.saturating_sub(t) > ASK_AGAIN);
+        let overdue = self
+            .asked
+            .is_some_and(|t| now.saturating_sub(t) > ASK_AGAIN);
         if overdue || (self.asked.is_none() && now.saturating_sub(self.last_asked) >= pause) {
             self.realtime(Realtime::Status);
             self.asked = Some(now);

@@ -12,8 +12,14 @@ use std::fmt::Write as _;
 const QUESTIONS: [(&str, &str); 4] = [
     ("$I", "the controller"),
     ("$$", "settings"),
-    ("$#", "offsets and stored places, in the unit of $13 (not restored: set zero anew)"),
-    ("$N", "start-up lines (not restored: the controller would run them at once)"),
+    (
+        "$#",
+        "offsets and stored places, in the unit of $13 (not restored: set zero anew)",
+    ),
+    (
+        "$N",
+        "start-up lines (not restored: the controller would run them at once)",
+    ),
 ];
 
 /// What a controller's memory holds, as it said it.
@@ -50,16 +56,28 @@ impl Saved {
         let mut saved = Saved::default();
         for (index, whole) in text.lines().enumerate() {
             let wrong = |why: String| Err((index + 1, why));
-            let end = whole.find([';', '#', '(']).filter(|_| !whole.trim_start().starts_with('$') || !whole.contains('='));
-            let line = whole.get(..end.unwrap_or(whole.len())).unwrap_or_default().trim();
+            let end = whole
+                .find([';', '#', '('])
+                .filter(|_| !whole.trim_start().starts_with('$') || !whole.contains('='));
+            let line = whole
+                .get(..end.unwrap_or(whole.len()))
+                .unwrap_or_default()
+                .trim();
             if line.is_empty() || line == "%" {
                 continue;
             }
             match Reply::parse(line) {
                 Reply::Setting { number, value } => {
-                    let value = value.split([';', '(']).next().unwrap_or_default().trim().to_string();
+                    let value = value
+                        .split([';', '('])
+                        .next()
+                        .unwrap_or_default()
+                        .trim()
+                        .to_string();
                     if saved.settings.iter().any(|s| s.0 == number) {
-                        return wrong(format!("${number} stands here a second time: keep one of them"));
+                        return wrong(format!(
+                            "${number} stands here a second time: keep one of them"
+                        ));
                     }
                     if value.is_empty() {
                         return wrong(format!("${number} has no value"));
@@ -69,7 +87,9 @@ impl Saved {
                 Reply::Other(text) if text.starts_with("$N") || text.starts_with('[') => {}
                 Reply::Other(text) => {
                     let shown: String = text.chars().take(60).collect();
-                    return wrong(format!("`{shown}` is not a setting: write lines like $110=4000"));
+                    return wrong(format!(
+                        "`{shown}` is not a setting: write lines like $110=4000"
+                    ));
                 }
                 _ => {}
             }
@@ -82,7 +102,10 @@ impl Saved {
 
     /// The value of `$number` as text.
     pub fn get(&self, number: u16) -> Option<&str> {
-        self.settings.iter().find(|s| s.0 == number).map(|s| s.1.as_str())
+        self.settings
+            .iter()
+            .find(|s| s.0 == number)
+            .map(|s| s.1.as_str())
     }
 }
 
@@ -100,7 +123,12 @@ pub struct Difference {
 /// What differs, ascending by number. Numbers are compared as such (the controller keeps single precision and prints three
 /// decimals), everything else as text.
 pub fn differences(file: &Saved, controller: &Saved) -> Vec<Difference> {
-    let mut numbers: Vec<u16> = file.settings.iter().chain(&controller.settings).map(|s| s.0).collect();
+    let mut numbers: Vec<u16> = file
+        .settings
+        .iter()
+        .chain(&controller.settings)
+        .map(|s| s.0)
+        .collect();
     numbers.sort_unstable();
     numbers.dedup();
     let found = numbers.into_iter().filter_map(|number| {
@@ -139,15 +167,23 @@ impl Task for Save {
         if let Some(last) = self.step.checked_sub(1) {
             for reply in &now.heard.replies {
                 if let Reply::Setting { number, value } = reply {
-                    self.saved.settings.push((*number, value.trim().to_string()));
+                    self.saved
+                        .settings
+                        .push((*number, value.trim().to_string()));
                 }
             }
-            let own = now.heard.lines.iter().filter(|l| !l.starts_with("[MSG") && !l.is_empty());
+            let own = now
+                .heard
+                .lines
+                .iter()
+                .filter(|l| !l.starts_with("[MSG") && !l.is_empty());
             self.saved.answers.push((last, own.cloned().collect()));
         }
         let Some((question, _)) = QUESTIONS.get(self.step) else {
             return match self.saved.settings.is_empty() {
-                true => Err(ErrandError::NotPossible("the controller told no settings in its answer to $$".to_string())),
+                true => Err(ErrandError::NotPossible(
+                    "the controller told no settings in its answer to $$".to_string(),
+                )),
                 false => Ok(Step::Done),
             };
         };
@@ -165,9 +201,15 @@ mod tests {
     fn reads_what_it_writes_and_what_a_terminal_caught() {
         let text = "Grbl 1.1h ['$' for help]\n; note\n$0=10\n$110=500.000 ; fast\n[G54:0.000,0.000,0.000]\n$N0=G20\nok\n";
         let saved = Saved::read(text).unwrap();
-        assert_eq!(saved.settings, [(0, "10".to_string()), (110, "500.000".to_string())]);
+        assert_eq!(
+            saved.settings,
+            [(0, "10".to_string()), (110, "500.000".to_string())]
+        );
         let whole = Saved {
-            answers: vec![(1, vec!["$0=10".into(), "$110=500.000".into()]), (3, vec!["$N0=G20".into()])],
+            answers: vec![
+                (1, vec!["$0=10".into(), "$110=500.000".into()]),
+                (3, vec!["$N0=G20".into()]),
+            ],
             ..saved.clone()
         };
         assert!(whole.text().contains("\n; $N0=G20\n"));
@@ -179,17 +221,40 @@ mod tests {
     #[test]
     fn rubbish_is_named_by_its_line() {
         assert_eq!(Saved::read("$0=10\nG0 X1\n").unwrap_err().0, 2);
-        assert!(Saved::read("$0=10\n$0=11\n").unwrap_err().1.contains("second time"));
-        assert!(Saved::read("; nothing\n").unwrap_err().1.contains("no setting"));
-        assert_eq!(Saved::read("$5=\n").unwrap_err(), (1, "$5 has no value".to_string()));
+        assert!(
+            Saved::read("$0=10\n$0=11\n")
+                .unwrap_err()
+                .1
+                .contains("second time")
+        );
+        assert!(
+            Saved::read("; nothing\n")
+                .unwrap_err()
+                .1
+                .contains("no setting")
+        );
+        assert_eq!(
+            Saved::read("$5=\n").unwrap_err(),
+            (1, "$5 has no value".to_string())
+        );
     }
 
     #[test]
     fn differences_are_by_value() {
         let read = |t: &str| Saved::read(t).unwrap();
-        let d = differences(&read("$0=10\n$110=500\n$120=3"), &read("$0=10\n$110=500.000\n$120=4.000\n$130=200.000"));
+        let d = differences(
+            &read("$0=10\n$110=500\n$120=3"),
+            &read("$0=10\n$110=500.000\n$120=4.000\n$130=200.000"),
+        );
         assert_eq!(d.len(), 2);
-        assert_eq!((d[0].number, d[0].file.as_deref(), d[0].controller.as_deref()), (120, Some("3"), Some("4.000")));
+        assert_eq!(
+            (
+                d[0].number,
+                d[0].file.as_deref(),
+                d[0].controller.as_deref()
+            ),
+            (120, Some("3"), Some("4.000"))
+        );
         assert_eq!((d[1].number, d[1].file.as_deref()), (130, None));
     }
 }

@@ -35,7 +35,12 @@ impl<T: Task> Errand<T> {
             | Phase::AlarmPause { .. }
             | Phase::Resetting { .. }
             | Phase::LastLook => {}
-            _ => self.fail(ErrandError::Cancelled { position_kept: true }, now),
+            _ => self.fail(
+                ErrandError::Cancelled {
+                    position_kept: true,
+                },
+                now,
+            ),
         }
     }
 
@@ -45,7 +50,12 @@ impl<T: Task> Errand<T> {
             return;
         }
         if matches!(self.phase, Phase::Meeting(_)) {
-            return self.end(Some(ErrandError::Cancelled { position_kept: true }), now);
+            return self.end(
+                Some(ErrandError::Cancelled {
+                    position_kept: true,
+                }),
+                now,
+            );
         }
         let position_kept = self.moving == Moving::Nothing || self.known.state.at_rest();
         self.ending = Some(ErrandError::Cancelled { position_kept });
@@ -69,7 +79,11 @@ impl<T: Task> Errand<T> {
             Moving::Nothing => match &self.phase {
                 // Never into a write: it ends with its answer, then nothing more is sent.
                 Phase::Waiting(e)
-                    if e.rule == Rule::Writer && !matches!(error, ErrandError::Silent { .. } | ErrandError::Refused { .. }) =>
+                    if e.rule == Rule::Writer
+                        && !matches!(
+                            error,
+                            ErrandError::Silent { .. } | ErrandError::Refused { .. }
+                        ) =>
                 {
                     self.ending = Some(error);
                 }
@@ -83,16 +97,22 @@ impl<T: Task> Errand<T> {
                 self.enter(Phase::JogStop { idle: 0 }, now);
             }
             Moving::Program => {
-                self.news.push(News::Stopping("feed hold, then standstill, then reset".to_string()));
+                self.news.push(News::Stopping(
+                    "feed hold, then standstill, then reset".to_string(),
+                ));
                 self.ending = Some(error);
                 self.realtime(Realtime::Hold);
                 self.last_hold = now;
                 self.enter(Phase::Stopping { quiet: 0 }, now);
             }
             Moving::Homing => {
-                self.news.push(News::Stopping("only a reset stops homing: the position is lost".to_string()));
+                self.news.push(News::Stopping(
+                    "only a reset stops homing: the position is lost".to_string(),
+                ));
                 self.ending = Some(match error {
-                    ErrandError::Cancelled { .. } => ErrandError::Cancelled { position_kept: false },
+                    ErrandError::Cancelled { .. } => ErrandError::Cancelled {
+                        position_kept: false,
+                    },
                     other => other,
                 });
                 self.reset(now);
@@ -151,7 +171,11 @@ impl<T: Task> Errand<T> {
                     }
                     State::Jog => {
                         let here = self.known.machine_position;
-                        self.standing = if here == self.stood_at { self.standing + 1 } else { 0 };
+                        self.standing = if here == self.stood_at {
+                            self.standing + 1
+                        } else {
+                            0
+                        };
                         self.stood_at = here;
                         if self.standing > STANDING_JOG {
                             self.note("the controller says Jog but stands still, and takes no cancel: it is reset");
@@ -161,7 +185,9 @@ impl<T: Task> Errand<T> {
                         }
                     }
                     // A door or a hold button came in between: at rest, and a reset empties what waits.
-                    State::Hold { at_rest: true } | State::Door(_) if status.state.at_rest() => self.reset(now),
+                    State::Hold { at_rest: true } | State::Door(_) if status.state.at_rest() => {
+                        self.reset(now)
+                    }
                     // It runs a program: not ours to cancel by this byte.
                     State::Run => {
                         self.realtime(Realtime::Hold);
@@ -173,7 +199,11 @@ impl<T: Task> Errand<T> {
             }
             (Phase::Stopping { quiet }, Reply::Status(status)) => {
                 // One Idle may be older than our hold; two in a row are not. `Hold:0` says it all.
-                *quiet = if status.state.at_rest() { *quiet + 1 } else { 0 };
+                *quiet = if status.state.at_rest() {
+                    *quiet + 1
+                } else {
+                    0
+                };
                 let certain = matches!(status.state, State::Hold { at_rest: true });
                 let moving = matches!(status.state, State::Run | State::Jog);
                 if certain || *quiet >= IDLE_REPORTS {
@@ -208,7 +238,9 @@ impl<T: Task> Errand<T> {
                 let quiet = now.saturating_sub(self.last_heard.max(self.since));
                 let stuck = matches!(self.phase, Phase::JogStop { .. })
                     && self.unanswered
-                    && self.idle_since.is_some_and(|t| now.saturating_sub(t.max(self.since)) > STUCK_JOG);
+                    && self
+                        .idle_since
+                        .is_some_and(|t| now.saturating_sub(t.max(self.since)) > STUCK_JOG);
                 if quiet > STOP_SILENCE {
                     self.note("no report that the machine is at rest: reset anyway, the position is not certain");
                     if let Some(ErrandError::Cancelled { position_kept }) = &mut self.ending {

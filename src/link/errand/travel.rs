@@ -46,7 +46,10 @@ impl Task for GoToZero {
         match self.step {
             1 => {
                 ready(known, "going to zero", &[State::Idle])?;
-                if !(self.clearance.is_finite() && (0.0..=500.0).contains(&self.clearance) && self.clearance > 0.0) {
+                if !(self.clearance.is_finite()
+                    && (0.0..=500.0).contains(&self.clearance)
+                    && self.clearance > 0.0)
+                {
                     return wrong(format!(
                         "the clearance must be above zero and at most 500 mm, not {}: the tool must not touch the part on arrival",
                         self.clearance
@@ -59,7 +62,9 @@ impl Task for GoToZero {
                     return wrong("the controller reports no position and offset: no way can be told from them".to_string());
                 };
                 let up = match self.retract {
-                    Retract::Work(z) if z.is_finite() && z >= self.clearance && z <= 2000.0 => z + offset[2],
+                    Retract::Work(z) if z.is_finite() && z >= self.clearance && z <= 2000.0 => {
+                        z + offset[2]
+                    }
                     Retract::Work(z) => {
                         return wrong(format!(
                             "the safe height must be at least the clearance ({} mm) and at most 2000 mm, not {z}",
@@ -81,12 +86,18 @@ impl Task for GoToZero {
                 within_travel(known, at, [at[0], at[1], up])?;
                 within_travel(known, [at[0], at[1], up], [offset[0], offset[1], up])?;
                 within_travel(known, at, [at[0], at[1], self.clearance + offset[2]])?;
-                Ok(Step::send(format!("G21G90G94G0Z{}", number(up - offset[2])), Rule::Motion))
+                Ok(Step::send(
+                    format!("G21G90G94G0Z{}", number(up - offset[2])),
+                    Rule::Motion,
+                ))
             }
             // Standstill at the top before anything goes sideways.
             3 | 5 | 7 => Ok(Step::Settle),
             4 => Ok(Step::send("G21G90G94G0X0Y0", Rule::Motion)),
-            6 => Ok(Step::send(format!("G21G90G94G0Z{}", number(self.clearance)), Rule::Motion)),
+            6 => Ok(Step::send(
+                format!("G21G90G94G0Z{}", number(self.clearance)),
+                Rule::Motion,
+            )),
             8 => {
                 let mut line = String::new();
                 for word in ["G20", "G91", "G93"] {

@@ -32,7 +32,8 @@ impl Task for Unlock {
                 }
             }
             2 => {
-                let said = |r: &Reply| matches!(r, Reply::Message(text) if text.contains("Unlocked"));
+                let said =
+                    |r: &Reply| matches!(r, Reply::Message(text) if text.contains("Unlocked"));
                 self.unlocked = now.heard.replies.iter().any(said);
                 Ok(Step::Settle)
             }

@@ -52,7 +52,11 @@ impl Task for Zero {
                 let origin = origin_of(now.heard, now.known)?;
                 for (i, letter) in ['X', 'Y', 'Z'].into_iter().enumerate() {
                     if self.axes[i].is_some() {
-                        compare(&format!("work zero of {letter}"), self.expected[i], origin[i])?;
+                        compare(
+                            &format!("work zero of {letter}"),
+                            self.expected[i],
+                            origin[i],
+                        )?;
                     }
                 }
                 self.origin = Some(origin);
@@ -69,7 +73,9 @@ impl Task for Zero {
 impl Zero {
     fn line(&mut self, known: &Known) -> Result<String, ErrandError> {
         let at = known.machine_position.ok_or_else(|| {
-            ErrandError::NotPossible("the controller reports no position: nothing can be set from it".to_string())
+            ErrandError::NotPossible(
+                "the controller reports no position: nothing can be set from it".to_string(),
+            )
         })?;
         // L20 words are in the unit that is active; it stays as it is.
         let inch = known.modes.has("G20");
@@ -89,7 +95,9 @@ impl Zero {
             words += 1;
         }
         if words == 0 {
-            return Err(ErrandError::NotPossible("say which axis to set to zero: X, Y or Z".to_string()));
+            return Err(ErrandError::NotPossible(
+                "say which axis to set to zero: X, Y or Z".to_string(),
+            ));
         }
         Ok(line)
     }
@@ -98,7 +106,11 @@ impl Zero {
 /// What G92 and the tool length add to the active work system along an axis, mm.
 pub(super) fn shift(known: &Known, axis: usize) -> f64 {
     let g92 = known.offsets.g92.map_or(0.0, |o| o[axis]);
-    let tool = if axis == 2 { known.offsets.tlo.unwrap_or(0.0) } else { 0.0 };
+    let tool = if axis == 2 {
+        known.offsets.tlo.unwrap_or(0.0)
+    } else {
+        0.0
+    };
     g92 + tool
 }
 
