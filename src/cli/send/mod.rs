@@ -130,13 +130,13 @@ fn send(args: &SendArgs, out: &mut dyn Write) -> Result<u8, Failure> {
         }
     })?;
     if args.dry_run {
-        let time = program_time(&job.events().unwrap_or_default(), &Settings::from(&machine)).total.0;
+        let time = program_time(&job.events().unwrap_or_default(), &Settings::from(&machine))
+            .total
+            .0;
         writeln!(
             out,
             "{name}: {} lines to send, {} bytes, about {time:.1} s on {}",
-            job.total,
-            job.bytes,
-            machine.title
+            job.total, job.bytes, machine.title
         )
         .map_err(cannot)?;
         return Ok(0);
