@@ -90,7 +90,7 @@ fn inches_become_millimetres_but_for_the_settings() {
     let known = play(&answers, WELCOME, IntroductionOptions::default()).unwrap();
     assert_eq!(
         known.machine_position,
-        Some([25.4, 50.8, 76.2].map(|v: f64| v))
+        Some([1.0, 2.0, 3.0].map(|inch| inch * 25.4))
     );
     assert_eq!(known.offsets.g5x[0], Some([12.7, 0.0, 0.0]));
     assert_eq!(known.setting(130), Some(200.0));
