@@ -24,9 +24,9 @@ mod programs;
 mod round_trip;
 mod translations;
 
+mod errand;
 mod fuzz;
 mod hostile;
-mod errand;
 mod link;
 mod looks;
 mod machines;
