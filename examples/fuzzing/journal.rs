@@ -8,7 +8,7 @@ use morsemill::link::resume::{Now, ResumeOptions, Trust, resume, zones};
 use std::time::Duration;
 
 /// The program that all journals here are of.
-const PROGRAM: &str = "G21 G90\nM3 S8000\nG0 Z10\nG0 X0 Y0\nG1 Z-1 F200\nG1 X20 F800\nG2 X0 Y0 I-10 J3\nG93 X5 F9\nG94 G20 G91\n\
+const PROGRAM: &str = "G21 G90\nM3 S8000\nG0 Z10\nG0 X0 Y0\nG1 Z-1 F200\nG1 X20 F800\nG2 X0 Y0 I-10 J0\nG93 G1 X5 F9\nG94 G20 G91\n\
                        X.1 F20\nT2 M6\nM4 S9000\nG92 X0\nX.2 Y.3\nG90 G0 Z1\nM30\n";
 
 /// Words of a journal.

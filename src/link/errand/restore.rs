@@ -46,7 +46,7 @@ impl Restore {
         for (number, value) in wanted {
             check(*number, value, known).map_err(ErrandError::NotPossible)?;
             let has = known.setting(*number).map(|v| v.to_string());
-            if !has.is_some_and(|has| same(&has, value)) {
+            if !has.is_some_and(|has| same(*number, &has, value)) {
                 plan.push((*number, value.clone()));
             }
         }
@@ -88,7 +88,7 @@ impl Task for Restore {
                 Reply::Setting { number: n, value } if n == number => Some(value.trim()),
                 _ => None,
             });
-            if !found.is_some_and(|found| same(found, wanted)) {
+            if !found.is_some_and(|found| same(*number, found, wanted)) {
                 return Err(ErrandError::ReadBack {
                     what: format!("${number}"),
                     wanted: wanted.clone(),

@@ -133,7 +133,7 @@ pub fn differences(file: &Saved, controller: &Saved) -> Vec<Difference> {
     numbers.dedup();
     let found = numbers.into_iter().filter_map(|number| {
         let (a, b) = (file.get(number), controller.get(number));
-        let same = matches!((a, b), (Some(a), Some(b)) if same(a, b));
+        let same = matches!((a, b), (Some(a), Some(b)) if same(number, a, b));
         (!same).then(|| Difference {
             number,
             file: a.map(str::to_string),
@@ -144,9 +144,14 @@ pub fn differences(file: &Saved, controller: &Saved) -> Vec<Difference> {
 }
 
 /// The same value.
-pub(super) fn same(a: &str, b: &str) -> bool {
+pub(super) fn same(number: u16, a: &str, b: &str) -> bool {
+    // Speeds of the spindle are told in whole turns, all else to a thousandth.
+    let told_to = match number {
+        30 | 31 => 0.51,
+        _ => 0.00051,
+    };
     match (a.trim().parse::<f64>(), b.trim().parse::<f64>()) {
-        (Ok(a), Ok(b)) => (a - b).abs() <= 0.00051 + a.abs().max(b.abs()) * 1e-6,
+        (Ok(a), Ok(b)) => (a - b).abs() <= told_to + a.abs().max(b.abs()) * 1e-6,
         _ => a.trim() == b.trim(),
     }
 }
