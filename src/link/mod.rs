@@ -5,14 +5,26 @@
 //! time: no I/O, no clock, no printing; [`port`] is the only file that touches a device. It must never know the simulated
 //! controller: simulated and real hardware differ by nothing but the port.
 
+pub mod command;
+pub mod drive;
+pub mod introduction;
 pub mod job;
 pub mod outcome;
 pub mod port;
+pub mod progress;
 pub mod session;
 pub mod stream;
+pub mod vet;
 
-pub use job::{Job, JobError, JobLine, Refusal};
-pub use outcome::{Command, Ending, Outcome, Progress};
+pub use command::{Command, RapidStep, Step};
+pub use drive::{NotIntroduced, drive, introduce};
+pub use introduction::{Introduction, IntroductionOptions, Known, Offsets, Unknown, WhenSilent};
+pub use job::{
+    Job, JobLine, JobLines, JobReader, JobSource, Standstill, Text, Unreadable, Weight,
+};
+pub use outcome::{Ending, Outcome};
 pub use port::{Port, PortError, SerialPort};
-pub use session::{Session, SessionOptions, drive};
-pub use stream::{Receipt, Stream, StreamError};
+pub use progress::{Progress, Prompt, PromptKind, Report, Span, Stall};
+pub use session::{Session, SessionOptions};
+pub use stream::{Flight, Receipt, Stream, StreamError, Waits};
+pub use vet::{Caution, JobError, Limits, Refusal, VetOptions, Warning, vet};

@@ -1,59 +1,9 @@
-//! What a session tells while it runs, and how it ended.
+//! How a session ended.
 
 use super::stream::StreamError;
-use crate::wire::{State, alarm_meaning, error_meaning};
+use super::job::Unreadable;
+use crate::wire::Firmware;
 use std::fmt;
-
-/// What the operator wants.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Command {
-    /// Feed hold.
-    Hold,
-    /// Resume from a hold (once it has come to rest).
-    Resume,
-    /// Stop the job: hold, wait for standstill, reset. The position is kept.
-    Stop,
-    /// Reset at once, even in motion. The position is lost then.
-    ResetNow,
-}
-
-/// News, in this order: `Connected`, notes, `Started`, then any mix of the others.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Progress {
-    /// The controller has introduced itself.
-    Connected {
-        /// Its version line, or its greeting.
-        version: String,
-        /// Bytes of receive buffer the stream counts with.
-        rx_bytes: usize,
-    },
-    /// Something to tell the operator; the job goes on.
-    Note(String),
-    /// The first line goes out.
-    Started {
-        /// Lines of the job.
-        total: usize,
-    },
-    /// A status report came in.
-    Report {
-        /// Lines sent.
-        sent: usize,
-        /// Lines answered.
-        acknowledged: usize,
-        /// Lines of the job.
-        total: usize,
-        /// State of the machine.
-        state: State,
-        /// Work position, mm, once it is known.
-        position: Option<[f64; 3]>,
-        /// Speed along the path, mm/min.
-        feed: Option<f64>,
-    },
-    /// The program (M0), a button or noise holds the machine: resume when ready.
-    Paused(String),
-    /// The stop procedure has begun, and why.
-    Stopping(String),
-}
 
 /// How a session ended.
 #[derive(Clone, Debug, PartialEq)]
@@ -72,6 +22,8 @@ pub enum Ending {
         text: String,
         /// The N of `error:N`.
         code: u16,
+        /// Whose number it is.
+        firmware: Firmware,
     },
     /// An alarm.
     Alarm {
@@ -79,6 +31,8 @@ pub enum Ending {
         code: u16,
         /// Oldest line of the program not answered then.
         line: Option<usize>,
+        /// Whose number it is.
+        firmware: Firmware,
     },
     /// The controller was not ready for a job; nothing was sent.
     NotReady(String),
@@ -101,6 +55,18 @@ pub enum Ending {
         /// Where the controller says it is, mm.
         reported: [f64; 3],
     },
+    /// Something came back that no controller says: bytes are damaged on the cable.
+    Damaged {
+        /// What came.
+        text: String,
+    },
+    /// The controller is in a state that the job did not bring about.
+    StateLost {
+        /// As reported.
+        state: String,
+    },
+    /// The program changed after it was vetted, or cannot be read on.
+    Unreadable(Unreadable),
     /// A line that can never be sent safely.
     Unstreamable(StreamError),
     /// The port broke.
@@ -120,6 +86,9 @@ impl Ending {
             Ending::LostReply { .. } => "error reply lost".to_string(),
             Ending::ControllerReset => "error controller reset".to_string(),
             Ending::Elsewhere { .. } => "error wrong end position".to_string(),
+            Ending::Damaged { .. } => "error damaged reply".to_string(),
+            Ending::StateLost { .. } => "error state".to_string(),
+            Ending::Unreadable(_) => "error program changed".to_string(),
             Ending::Unstreamable(_) => "error line too long".to_string(),
             Ending::Broken(_) => "error port".to_string(),
         }
@@ -134,22 +103,22 @@ impl fmt::Display for Ending {
             Ending::Aborted => f.write_str(
                 "reset by the operator in motion: steps may be lost. Home or set the zero again before starting over",
             ),
-            Ending::Refused { line, text, code } => {
+            Ending::Refused { line, text, code, firmware } => {
                 match line {
                     0 => write!(f, "the controller refused `{text}` with error:{code}")?,
                     _ => write!(f, "line {line} (`{text}`): the controller refused it with error:{code}")?,
                 }
-                match error_meaning(*code) {
+                match firmware.error(*code) {
                     Some(m) => write!(f, ": {}. {}", m.what, m.advice),
                     None => f.write_str(", a number this table does not know: look it up in your firmware's documentation"),
                 }
             }
-            Ending::Alarm { code, line } => {
+            Ending::Alarm { code, line, firmware } => {
                 write!(f, "ALARM:{code}")?;
                 if let Some(line) = line {
                     write!(f, " while line {line} was waiting")?;
                 }
-                match alarm_meaning(*code) {
+                match firmware.alarm(*code) {
                     Some(m) => write!(f, ": {}. {}", m.what, m.advice),
                     None => f.write_str(
                         ", a number this table does not know: look it up in your firmware's documentation and home before going on",
@@ -176,6 +145,17 @@ impl fmt::Display for Ending {
                  bytes were damaged on the way, or the work zero changed. Check the part before going on",
                 r[0], r[1], r[2], e[0], e[1], e[2]
             ),
+            Ending::Damaged { text } => write!(
+                f,
+                "the controller's replies are damaged ({text:?}), so nobody can tell what it received: check the cable and its \
+                 shielding; start again from a safe position"
+            ),
+            Ending::StateLost { state } => write!(
+                f,
+                "the controller says {state}, which the job did not bring about: an alarm's message was lost, or somebody else uses the \
+                 cable. Look at the machine, home or unlock it, then start again"
+            ),
+            Ending::Unreadable(e) => e.fmt(f),
             Ending::Unstreamable(e) => e.fmt(f),
             Ending::Broken(why) => f.write_str(why),
         }
@@ -197,6 +177,8 @@ pub struct Outcome {
     pub position: Option<[f64; 3]>,
     /// False when steps may have been lost, or nobody can tell.
     pub position_kept: bool,
+    /// Oldest and newest line of the program that were under way when the job was interrupted: each may have been carried out or not.
+    pub maybe: Option<(usize, usize)>,
     /// Seconds of host time from the first report of motion to the end; 0 if none was seen.
     pub running_s: f64,
 }
@@ -212,6 +194,7 @@ mod tests {
             line: 12,
             text: "G1X1".into(),
             code: 22,
+            firmware: Firmware::Grbl11,
         };
         assert_eq!(
             e.to_string(),
@@ -222,6 +205,7 @@ mod tests {
         let e = Ending::Alarm {
             code: 2,
             line: Some(3),
+            firmware: Firmware::Grbl11,
         };
         assert!(
             e.to_string()
@@ -230,7 +214,8 @@ mod tests {
         assert!(
             Ending::Alarm {
                 code: 77,
-                line: None
+                line: None,
+                firmware: Firmware::Grbl11,
             }
             .to_string()
             .contains("does not know")

@@ -1,18 +1,24 @@
 //! GRBL's conversation as data: what either side may say, and what it means in plain words.
 //!
 //! Crosses the border: one line of text (or one real-time byte) in, one value out, and back. Positions are in the unit the
-//! controller reports in (mm, or inch with `$13=1`): only the caller has seen `$13`. No I/O, no clock, and no knowledge of
-//! G-code or kinematics. Source of every fact: GRBL 1.1h's interface as documented and observed; other firmwares may say more,
+//! controller reports in (mm, or inch with `$13=1`): only the caller has seen `$13`. No I/O, no clock, no kinematics, and no knowledge
+//! of G-code but for the number of a complaint ([`complaint`]). Source of every fact: GRBL 1.1h's interface as documented and observed; other firmwares may say more,
 //! so unknown lines and fields are kept or skipped and an unknown state means "not ready".
 
+pub mod complaint;
+pub mod firmware;
 pub mod lines;
 pub mod meaning;
+pub mod modes;
 pub mod realtime;
 pub mod reply;
 pub mod status;
 
+pub use complaint::error_number;
+pub use firmware::Firmware;
 pub use lines::Lines;
 pub use meaning::{Meaning, alarm_meaning, error_meaning};
+pub use modes::Modes;
 pub use realtime::Realtime;
 pub use reply::{BuildOptions, Reply};
 pub use status::{Buffer, DoorPhase, Overrides, Position, State, Status};

@@ -1,6 +1,7 @@
 //! Everything a controller may say in a line.
 
-use super::status::{Status, triple};
+use super::modes::Modes;
+use super::status::{Status, number, triple};
 
 /// `[OPT:letters,blocks,rx]`. Some firmwares give no numbers.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -29,6 +30,8 @@ pub enum Reply {
         firmware: String,
         /// Second word.
         version: String,
+        /// The rest of the line, where forks say who they are.
+        text: String,
     },
     /// A status report.
     Status(Status),
@@ -38,8 +41,10 @@ pub enum Reply {
     Options(BuildOptions),
     /// `[VER:version:user text]`, everything behind the first colon.
     Version(String),
+    /// `[FIRMWARE:...]`, said by grblHAL.
+    FirmwareName(String),
     /// `[GC:...]`, the active modes.
-    Modes(String),
+    Modes(Modes),
     /// `[G54:x,y,z]` ... `[G92:..]`, in report units.
     Offset {
         /// `G54` to `G59`, `G28`, `G30`, `G92`.
@@ -47,6 +52,17 @@ pub enum Reply {
         /// Values.
         values: [f64; 3],
     },
+    /// `[TLO:z]`, tool length offset in report units.
+    ToolLength(f64),
+    /// `[PRB:x,y,z:1]`: where the probe was triggered, machine coordinates in report units; also pushed after each probing.
+    Probed {
+        /// The trigger point; where the motion ended when nothing was touched.
+        at: [f64; 3],
+        /// It touched.
+        touched: bool,
+    },
+    /// `>line:ok` or `>line:error:N`: a startup line was run. Answers no line of ours.
+    Startup(String),
     /// `$n=value`.
     Setting {
         /// n.
@@ -75,6 +91,9 @@ impl Reply {
         if line.starts_with('<') {
             return Status::parse(line).map_or_else(other, Reply::Status);
         }
+        if let Some(text) = line.strip_prefix('>') {
+            return Reply::Startup(text.to_string());
+        }
         if let Some(body) = line.strip_prefix('[').and_then(|l| l.strip_suffix(']')) {
             return bracket(body).unwrap_or_else(other);
         }
@@ -97,6 +116,7 @@ impl Reply {
                 Reply::Welcome {
                     firmware: firmware.to_string(),
                     version: version.to_string(),
+                    text: words.collect::<Vec<_>>().join(" "),
                 }
             }
             _ => other(),
@@ -107,6 +127,19 @@ impl Reply {
     pub fn answers_a_line(&self) -> bool {
         matches!(self, Reply::Ok | Reply::Error(_))
     }
+
+    /// True for a line that no firmware of the family is known to say: bytes were damaged on the way. Unknown `[...]` lines and
+    /// lines that begin with `$` are some firmware's news (grblHAL and FluidNC have many) and no damage.
+    pub fn is_damage(&self) -> bool {
+        match self {
+            Reply::Other(line) => {
+                let bracketed = line.starts_with('[') && line.ends_with(']');
+                let intact = line.bytes().all(|b| (b' '..0x7F).contains(&b));
+                !(intact && (bracketed || line.starts_with('$')))
+            }
+            _ => false,
+        }
+    }
 }
 
 fn bracket(body: &str) -> Option<Reply> {
@@ -114,7 +147,20 @@ fn bracket(body: &str) -> Option<Reply> {
     match name {
         "MSG" => Some(Reply::Message(value.to_string())),
         "VER" => Some(Reply::Version(value.to_string())),
-        "GC" => Some(Reply::Modes(value.to_string())),
+        "FIRMWARE" => Some(Reply::FirmwareName(value.to_string())),
+        "GC" => Some(Reply::Modes(Modes::parse(value))),
+        // More axes than three may follow; Z is the third, and alone it is the only one.
+        "TLO" => match value.split(',').count() {
+            0..=2 => number(value).map(Reply::ToolLength),
+            _ => triple(value).map(|v| Reply::ToolLength(v[2])),
+        },
+        "PRB" => {
+            let (place, touched) = value.rsplit_once(':')?;
+            triple(place).map(|at| Reply::Probed {
+                at,
+                touched: touched == "1",
+            })
+        }
         "OPT" => {
             let mut parts = value.split(',');
             let letters = parts.next().unwrap_or_default().to_string();
@@ -167,7 +213,8 @@ mod tests {
             Reply::parse("Grbl 1.1h ['$' for help]"),
             Reply::Welcome {
                 firmware: "Grbl".into(),
-                version: "1.1h".into()
+                version: "1.1h".into(),
+                text: "['$' for help]".into(),
             }
         );
         assert!(matches!(
@@ -213,6 +260,25 @@ mod tests {
             Reply::parse("[VER:1.1h.20190830:mill]"),
             Reply::Version("1.1h.20190830:mill".into())
         );
+    }
+
+    #[test]
+    fn reads_the_offsets_that_only_some_answers_have() {
+        assert_eq!(Reply::parse("[TLO:1.500]"), Reply::ToolLength(1.5));
+        assert_eq!(Reply::parse("[TLO:0.000,0.000,2.500]"), Reply::ToolLength(2.5));
+        let probed = |touched| Reply::Probed { at: [1.0, 2.0, -3.5], touched };
+        assert_eq!(Reply::parse("[PRB:1.000,2.000,-3.500:1]"), probed(true));
+        assert_eq!(Reply::parse("[PRB:1.000,2.000,-3.500:0]"), probed(false));
+    }
+
+    #[test]
+    fn damage_is_told_from_news() {
+        for news in ["[AXS:3:XYZ]", "[NEWOPT:ENUMS]", "$N0=G20", ">G20G54:error:3", "ok", "[MSG:INFO: hello]"] {
+            assert!(!Reply::parse(news).is_damage(), "{news}");
+        }
+        for damage in ["o", "okok", "errr:2", "error:", "<Idle|MPos:0,0", "[MSG:Pgm E", "ALRM:1", "\u{fffd}k", "[A\u{fffd}S:x]"] {
+            assert!(Reply::parse(damage).is_damage(), "{damage}");
+        }
     }
 
     proptest! {

@@ -153,6 +153,8 @@ pub struct Status {
     pub overrides: Option<Overrides>,
     /// What is switched on (`S`, `C`, `F`, `M`), said only beside `Ov`.
     pub accessories: String,
+    /// `H:1` or `H:0`, said by grblHAL: the machine has been homed.
+    pub homed: Option<bool>,
 }
 
 impl Status {
@@ -169,6 +171,7 @@ impl Status {
             work_offset: None,
             overrides: None,
             accessories: String::new(),
+            homed: None,
         }
     }
 
@@ -215,6 +218,8 @@ impl Status {
                     }
                 }
                 "A" => status.accessories = value.to_string(),
+                // grblHAL writes `H:1` or `H:1,mask`.
+                "H" => status.homed = value.split(',').next().map(|v| v == "1"),
                 _ => {}
             }
         }

@@ -6,7 +6,8 @@ use morsemill::cli::send::{self, SendArgs};
 use morsemill::controller::{Controller, Memory, Pace};
 use morsemill::geom::Point;
 use morsemill::kinematics::{Settings, program_time};
-use morsemill::link::{Command, Ending, Job, JobLine, Outcome, Progress, Session, SessionOptions};
+use morsemill::link::{Command, Ending, Job, Outcome, Progress, Session, SessionOptions};
+use morsemill::wire::Firmware;
 use morsemill::machine::Machine;
 use proptest::prelude::*;
 use std::collections::VecDeque;
@@ -71,6 +72,12 @@ struct Bench {
     now: u64,
     most_in_flight: usize,
     news: Vec<Progress>,
+    /// Most bytes the port takes at once, in turn.
+    takes: Vec<usize>,
+    /// Bytes that noise turns into others on their way out, once.
+    noise: Option<(&'static str, &'static str)>,
+    /// Lines the controller was sent, with the number of unanswered ones then.
+    heard: Vec<u8>,
 }
 
 impl Bench {
@@ -84,6 +91,9 @@ impl Bench {
             now: 0,
             most_in_flight: 0,
             news: Vec::new(),
+            takes: vec![usize::MAX],
+            noise: None,
+            heard: Vec::new(),
         }
     }
 
@@ -105,9 +115,19 @@ impl Bench {
         self.back.send(self.now, &said);
         self.session.receive(&self.back.arrive(self.now), now);
         self.session.tick(now);
-        let out = self.session.output();
+        let mut out = self.session.output();
+        out.truncate(self.takes[self.now as usize % self.takes.len()]);
+        self.session.written(out.len());
+        if let Some((from, to)) = self.noise {
+            let text: String = out.iter().map(|b| char::from(*b)).collect();
+            if text.contains(from) {
+                out = text.replacen(from, to, 1).chars().map(|c| c as u32 as u8).collect();
+                self.noise = None;
+            }
+        }
         self.there.send(self.now, &out);
         let heard = self.there.arrive(self.now);
+        self.heard.extend(&heard);
         self.controller.feed(&heard);
         self.most_in_flight = self.most_in_flight.max(self.session.in_flight());
         self.news.extend(self.session.news());
@@ -135,7 +155,11 @@ impl Bench {
     }
 
     fn heard(&self, word: &str) -> bool {
-        self.news.iter().any(|n| format!("{n:?}").contains(word))
+        self.news.iter().any(|n| match n {
+            Progress::Prompt(prompt) => prompt.to_string().contains(word),
+            Progress::Report(_) => false,
+            other => format!("{other:?}").contains(word),
+        })
     }
 }
 
@@ -235,41 +259,35 @@ fn the_program_may_pause_and_the_operator_resumes() {
     assert_eq!(bench.finish().ending, Ending::Done);
 }
 
-/// A job with a line the vetting would have caught, as noise on the cable might make one.
-fn damaged(program: &str, at: usize, text: &str) -> Job {
-    let mut job = Job::vet(program).unwrap();
-    job.lines.insert(
-        at,
-        JobLine {
-            text: text.to_string(),
-            source: 77,
-            dwell: 0.0,
-        },
-    );
-    job
+/// The text of line `n` of a program, as it travels.
+fn line_of(program: &str, n: usize) -> String {
+    program.lines().nth(n - 1).unwrap().replace(' ', "")
 }
 
 #[test]
 fn a_refused_line_stops_all_that_follows() {
-    let cable = Cable::new(vec![1], vec![1000]);
-    let mut bench = Bench::new(
-        damaged(&spiral(500, 0.2), 100, "G1X"),
-        Controller::new(memory()),
-        cable.clone(),
-        cable,
-    );
+    let program = spiral(500, 0.2);
+    let mut bench = Bench::plain(&program);
+    let line = line_of(&program, 100);
+    let x = line.find('X').unwrap();
+    // A damaged byte leaves a word without its number.
+    let damaged = format!("{}XX{}", &line[..x], &line[x + 2..]);
+    bench.noise = Some((line.clone().leak(), damaged.clone().leak()));
     let outcome = bench.finish();
     assert_eq!(
         outcome.ending,
         Ending::Refused {
-            line: 77,
-            text: "G1X".into(),
-            code: 2
+            line: 100,
+            text: line,
+            code: 2,
+            firmware: Firmware::Grbl11,
         }
     );
     assert!(outcome.position_kept);
     assert!(outcome.acknowledged < 130, "{outcome:?}");
     assert!(outcome.ending.to_string().contains("a number is missing"));
+    let (first, last) = outcome.maybe.unwrap();
+    assert!(first == 101 && last < 115, "{outcome:?}");
     at_rest_for_good(&mut bench, &outcome);
 }
 
@@ -289,7 +307,8 @@ fn a_soft_limit_alarm_is_named_and_the_position_survives() {
         outcome.ending,
         Ending::Alarm {
             code: 2,
-            line: Some(3)
+            line: Some(3),
+            firmware: Firmware::Grbl11,
         }
     );
     assert!(outcome.position_kept);
@@ -357,7 +376,9 @@ fn nobody_there_is_told_within_seconds() {
     for ms in 0..10_000 {
         session.tick(Duration::from_millis(ms));
         // It never asks so often that a dead device's buffer fills.
-        assert!(session.output().len() < 8);
+        let out = session.output().len();
+        assert!(out < 8);
+        session.written(out);
     }
     let outcome = session.outcome().unwrap();
     assert_eq!(
@@ -457,7 +478,7 @@ proptest! {
             let now = Duration::from_millis(i as u64 * 50);
             session.receive(piece, now);
             session.tick(now);
-            session.output();
+            session.written(session.output().len());
             prop_assert!(session.in_flight() <= 128);
         }
     }
@@ -484,7 +505,7 @@ fn over_a_pseudo_terminal(program: &str, speed: Pace) -> (u8, serde_json::Value,
     let report = serde_json::from_str(&std::fs::read_to_string(&json).unwrap()).unwrap();
     let machine = Machine::load("longmill-30x30").unwrap();
     let planned = program_time(
-        &Job::vet(program).unwrap().events,
+        &Job::vet(program).unwrap().events().unwrap(),
         &Settings::from(&machine),
     )
     .total

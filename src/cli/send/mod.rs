@@ -130,12 +130,12 @@ fn send(args: &SendArgs, out: &mut dyn Write) -> Result<u8, Failure> {
         }
     })?;
     if args.dry_run {
-        let time = program_time(&job.events, &Settings::from(&machine)).total.0;
+        let time = program_time(&job.events().unwrap_or_default(), &Settings::from(&machine)).total.0;
         writeln!(
             out,
             "{name}: {} lines to send, {} bytes, about {time:.1} s on {}",
-            job.lines.len(),
-            job.bytes(),
+            job.total,
+            job.bytes,
             machine.title
         )
         .map_err(cannot)?;
@@ -334,9 +334,10 @@ impl Bar {
 
     fn show(&mut self, news: &Progress) {
         match news {
-            Progress::Connected { version, rx_bytes } => {
-                self.tell(&format!("connected: {version}, {rx_bytes} bytes of buffer"))
-            }
+            Progress::Connected(known) => self.tell(&format!(
+                "connected: {}, {} bytes of buffer",
+                known.version, known.rx_bytes
+            )),
             Progress::Note(text) => self.tell(&format!("note: {text}")),
             Progress::Started { total } => {
                 self.0 = ProgressBar::new(*total as u64);
@@ -346,24 +347,22 @@ impl Bar {
                     self.0.set_style(style);
                 }
             }
-            Progress::Report {
-                acknowledged,
-                state,
-                position,
-                feed,
-                ..
-            } => {
-                self.0.set_position(*acknowledged as u64);
-                let place = position.map_or(String::new(), |[x, y, z]| {
+            Progress::Report(report) => {
+                self.0.set_position(report.acknowledged as u64);
+                let place = report.position.map_or(String::new(), |[x, y, z]| {
                     format!("  X{x:.2} Y{y:.2} Z{z:.2}")
                 });
-                let feed = feed.map_or(String::new(), |f| format!("  F{f:.0}"));
-                self.0.set_message(format!("{}{place}{feed}", state.text()));
+                let feed = report.feed.map_or(String::new(), |f| format!("  F{f:.0}"));
+                self.0
+                    .set_message(format!("{}{place}{feed}", report.state.text()));
             }
+            Progress::Prompt(prompt) => self.tell(&prompt.to_string()),
+            Progress::Stall(Some(stall)) => self.tell(&stall.to_string()),
             Progress::Paused(text) => self.tell(text),
             Progress::Stopping(why) => {
                 self.tell(&format!("{why}: feed hold, then standstill, then reset"))
             }
+            _ => {}
         }
     }
 }
