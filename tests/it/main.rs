@@ -30,6 +30,7 @@ mod link;
 mod looks;
 mod machines;
 mod recordings;
+mod resume;
 
 mod own_files;
 mod refusals;

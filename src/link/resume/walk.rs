@@ -1,0 +1,195 @@
+//! A program line by line as the session sends it, and what the machine remembers between lines.
+
+use crate::gcode::{self, Dialect, Event, InterpretError, Motion, State, interpret_line};
+use crate::geom::{Point, Vector};
+use crate::link::journal::{Begin, Offsets, Start, ToolChange};
+use crate::units::Rpm;
+use std::borrow::Cow;
+
+/// Walks through a program from its first line. Constant memory beside the text.
+pub struct Walk<'a> {
+    rest: Box<dyn Iterator<Item = &'a str> + 'a>,
+    changes: &'a [ToolChange],
+    state: State,
+    events: Vec<Event>,
+    text: &'a str,
+    line: usize,
+    tool: Option<u32>,
+    changed_tool: bool,
+}
+
+impl<'a> Walk<'a> {
+    /// Begins at line 1 with what the machine remembers then. `changes` are the tool changes of the job: one that set a tool length did so
+    /// behind its line.
+    pub fn new(text: &'a str, start: State, changes: &'a [ToolChange]) -> Walk<'a> {
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+        Walk {
+            rest: Box::new(gcode::lines(text)),
+            changes,
+            state: start,
+            events: Vec::new(),
+            text: "",
+            line: 0,
+            tool: None,
+            changed_tool: false,
+        }
+    }
+
+    /// Reads the next line; its number, from 1.
+    ///
+    /// # Errors
+    /// The interpreter's complaint; the line changed nothing.
+    pub fn step(&mut self) -> Option<Result<usize, InterpretError>> {
+        self.text = self.rest.next()?;
+        self.line += 1;
+        self.events.clear();
+        self.changed_tool = false;
+        let (content, change) = sent(self.text);
+        if content.is_empty() {
+            return Some(Ok(self.line));
+        }
+        if let Err(e) = interpret_line(&mut self.state, &content, self.line, &mut self.events) {
+            return Some(Err(e));
+        }
+        if self.state.tool != 0 {
+            self.tool = Some(self.state.tool);
+        }
+        self.changed_tool = change;
+        let set = |c: &&ToolChange| c.line == self.line;
+        if let Some(length) = self.changes.iter().rev().find(set).and_then(|c| c.length) {
+            let here = self.state.machine_position();
+            self.state.tlo = length;
+            self.state.set_machine_position(&here);
+        }
+        Some(Ok(self.line))
+    }
+
+    /// What the machine remembers behind the line read last.
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// What the line read last told the machine.
+    pub fn events(&self) -> &[Event] {
+        &self.events
+    }
+
+    /// The line read last, as it stands in the program.
+    pub fn text(&self) -> &'a str {
+        self.text
+    }
+
+    /// The last tool number told so far.
+    pub fn tool(&self) -> Option<u32> {
+        self.tool
+    }
+
+    /// The line read last wants a tool change.
+    pub fn changed_tool(&self) -> bool {
+        self.changed_tool
+    }
+
+    /// The motions of the line read last, with what leads from their work coordinates to the machine's.
+    pub fn motions(&self) -> (impl Iterator<Item = &Motion>, Vector) {
+        // No motion of a line sees a change of offsets in it, so one difference serves them all.
+        let last = self.events.iter().rev().find_map(|e| match e {
+            Event::Motion(m) => Some(m.to),
+            _ => None,
+        });
+        let shift = last.map_or_else(Vector::zeros, |to| self.state.machine_position() - to);
+        let motions = self.events.iter().filter_map(|e| match e {
+            Event::Motion(m) => Some(m),
+            _ => None,
+        });
+        (motions, shift)
+    }
+}
+
+/// What of a line goes to the controller: nothing of comments, `%` and blanks, and no M6, which the session keeps for itself. True when
+/// there was an M6.
+pub(super) fn sent(text: &str) -> (Cow<'_, str>, bool) {
+    let mut out = String::new();
+    let mut parenthesis = false;
+    for c in text.chars() {
+        match c {
+            ')' if parenthesis => parenthesis = false,
+            _ if parenthesis => {}
+            '(' => parenthesis = true,
+            ';' => break,
+            c if c <= ' ' => {}
+            c => out.push(c.to_ascii_uppercase()),
+        }
+    }
+    if out == "%" {
+        return (Cow::Borrowed(""), false);
+    }
+    match tool_change(&out) {
+        Some((from, to)) => {
+            out.replace_range(from..to, "");
+            (Cow::Owned(out), true)
+        }
+        None => (Cow::Owned(out), false),
+    }
+}
+
+/// Where M6 stands in a line without blanks.
+fn tool_change(line: &str) -> Option<(usize, usize)> {
+    let bytes = line.as_bytes();
+    let at = |i: usize| bytes.get(i).copied().unwrap_or(0);
+    let mut i = 0;
+    while i < bytes.len() {
+        if at(i) == b'M' {
+            let mut end = i + 1;
+            while at(end) == b'0' {
+                end += 1;
+            }
+            if at(end) == b'6' && !at(end + 1).is_ascii_digit() && at(end + 1) != b'.' {
+                return Some((i, end + 1));
+            }
+        }
+        i += 1;
+    }
+    None
+}
+
+impl Begin {
+    /// What the machine remembered at line 1.
+    pub fn start_state(&self) -> State {
+        let dialect = Dialect::from_name(&self.dialect).unwrap_or(Dialect::Grbl);
+        self.start.state(dialect)
+    }
+}
+
+impl Start {
+    /// What the machine remembers: the modes of a job's start with these offsets and this position. Spindle and coolant that ran already
+    /// run on.
+    pub fn state(&self, dialect: Dialect) -> State {
+        let mut state = fresh(dialect, &self.offsets, &self.position);
+        for word in self.modes.split_whitespace() {
+            match word {
+                "M3" => state.spindle = 1,
+                "M4" => state.spindle = -1,
+                "M7" => state.mist = true,
+                "M8" => state.flood = true,
+                _ => {
+                    let speed = word.strip_prefix('S').and_then(|s| s.parse::<f64>().ok());
+                    if let Some(speed) = speed.filter(|s| s.is_finite() && *s >= 0.0) {
+                        state.speed = Rpm(speed);
+                    }
+                }
+            }
+        }
+        state
+    }
+}
+
+/// A machine with the modes of a reset, these offsets, standing there.
+pub(super) fn fresh(dialect: Dialect, offsets: &Offsets, machine: &[f64; 3]) -> State {
+    let mut state = State::new(dialect);
+    state.g5x = offsets.g5x.map(Vector::from);
+    (state.g28, state.g30) = (Point::from(offsets.g28), Point::from(offsets.g30));
+    state.g92 = Vector::from(offsets.g92);
+    state.tlo = offsets.tlo;
+    state.set_machine_position(&Point::from(*machine));
+    state
+}

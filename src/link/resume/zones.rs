@@ -1,0 +1,158 @@
+//! The three zones: surely cut, maybe cut, not sent. The drawing stands in the head of [`super`].
+
+use super::blocks::Counter;
+use super::refusal::Refusal;
+use super::walk::{Walk, sent};
+use crate::gcode::Event;
+use crate::link::journal::{Begin, Damage, History, SYNC_GAP};
+use std::collections::VecDeque;
+
+/// Slices of motion that a firmware prepares beyond its planner, each of another block at worst: GRBL 1.1 has 5 usable and one that runs.
+const SLICES_GRBL: usize = 6;
+/// The same for the others, whose builds differ (grblHAL 10, FluidNC up to 12).
+const SLICES_OTHER: usize = 16;
+
+/// Lines by what became of them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Zones {
+    /// First line that may not have been cut: all before it surely are.
+    pub first: usize,
+    /// Last line that may have been cut: all behind it surely are not.
+    pub last: usize,
+    /// Lines of the program.
+    pub lines: usize,
+}
+
+impl Zones {
+    /// True for a line that may have been cut, in part or whole, or may not.
+    pub fn is_maybe(&self, line: usize) -> bool {
+        (self.first..=self.last).contains(&line)
+    }
+}
+
+/// Blocks that a controller can hold answered and not yet run.
+pub(super) fn held(begin: &Begin) -> usize {
+    begin.planner_blocks
+        + match is_grbl(begin) {
+            true => SLICES_GRBL,
+            false => SLICES_OTHER,
+        }
+}
+
+fn is_grbl(begin: &Begin) -> bool {
+    begin.dialect == "grbl"
+}
+
+/// Where a job was broken. `boot` is this computer's boot now, as in [`Begin::boot`].
+///
+/// # Errors
+/// The program cannot be read (then it is not the one that was sent), or nothing was sent.
+pub fn zones(
+    text: &str,
+    begin: &Begin,
+    history: &History,
+    boot: Option<&str>,
+) -> Result<Zones, Refusal> {
+    let entry = begin.resumed.map_or(1, |r| r.entry);
+    let sent = history.sent.max(history.acknowledged);
+    let mut last = match (&history.end, &history.damage) {
+        (_, Damage::Broken { .. }) => begin.lines,
+        (Some(_), _) => sent,
+        (None, _) => sent.max(history.allowed),
+    };
+    if last == 0 && begin.resumed.is_none() {
+        return Err(Refusal::NothingSent);
+    }
+    let crashed = history.end.is_none();
+    let same_boot = boot.is_some() && begin.boot.as_deref() == boot;
+    if crashed && (!same_boot || matches!(history.damage, Damage::Zeros { .. })) {
+        last = behind_the_gap(text, begin, last);
+    }
+    let first = surely_cut(text, begin, history)?
+        .min(history.acknowledged)
+        .max(entry)
+        .max(1);
+    let last = last
+        .max(begin.resumed.map_or(0, |r| r.maybe_to))
+        .min(begin.lines)
+        .max(first);
+    Ok(Zones {
+        first,
+        last,
+        lines: begin.lines,
+    })
+}
+
+/// The last line that may have been sent while the disk was behind.
+fn behind_the_gap(text: &str, begin: &Begin, last: usize) -> usize {
+    let mut bytes = begin.bytes_per_s.max(0.0) * SYNC_GAP + 2.0 * begin.rx_bytes as f64;
+    let mut end = last;
+    for (index, line) in crate::gcode::lines(text).enumerate().skip(last) {
+        let significant = sent(line).0.len();
+        if significant > 0 {
+            bytes -= significant as f64 + 1.0;
+        }
+        end = index + 1;
+        if bytes < 0.0 {
+            break;
+        }
+    }
+    end
+}
+
+/// The first line, up to the last one answered, of which something may be queued still; the line behind it when nothing can be.
+fn surely_cut(text: &str, begin: &Begin, history: &History) -> Result<usize, Refusal> {
+    let counter = Counter::new(begin);
+    let held = held(begin);
+    let entry = begin.resumed.map_or(1, |r| r.entry);
+    let laser = begin.settings.iter().any(|s| s.0 == 32 && s.1 != 0.0);
+    // Lines of which blocks may be queued, oldest first, with their blocks.
+    let mut queue: VecDeque<(usize, usize)> = VecDeque::new();
+    let mut blocks = 0;
+    let mut walk = Walk::new(text, begin.start_state(), &history.tool_changes);
+    while let Some(step) = walk.step() {
+        let line = step.map_err(Refusal::Unreadable)?;
+        if line > history.acknowledged {
+            break;
+        }
+        if line < entry {
+            continue;
+        }
+        for event in walk.events() {
+            let waits = match event {
+                Event::Motion(m) => {
+                    let more = counter.blocks(m);
+                    match queue.back_mut() {
+                        Some(last) if last.0 == line => last.1 += more,
+                        _ => queue.push_back((line, more)),
+                    }
+                    blocks += more;
+                    false
+                }
+                Event::Dwell { .. }
+                | Event::Probe { .. }
+                | Event::End { .. }
+                | Event::ToolChange { .. } => true,
+                Event::Pause { optional, .. } => !optional,
+                // Laser mode changes the beam in passing, and other firmwares have their own ideas of what waits.
+                Event::Spindle { .. } => is_grbl(begin) && !laser,
+                Event::Coolant { .. } | Event::Sync { .. } => is_grbl(begin),
+            };
+            if waits {
+                queue.clear();
+                blocks = 0;
+            }
+        }
+        if walk.changed_tool() && history.tool_changes.iter().any(|c| c.line == line) {
+            queue.clear();
+            blocks = 0;
+        }
+        while let Some((_, front)) = queue.front().copied()
+            && blocks - front >= held
+        {
+            blocks -= front;
+            queue.pop_front();
+        }
+    }
+    Ok(queue.front().map_or(history.acknowledged + 1, |q| q.0))
+}
