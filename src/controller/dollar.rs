@@ -3,11 +3,23 @@
 use super::complaint::error_number;
 use super::execute::Step;
 use super::{Controller, Mode};
-use crate::gcode::{State as Parser, interpret_jog, interpret_line};
+use crate::gcode::{State as Parser, interpret_jog};
 use crate::geom::Point;
 use crate::kinematics::Speed;
 
 impl Controller {
+    /// Settings that did not read back right at power-up: the defaults, and all of them shown.
+    pub(super) fn recover_memory(&mut self) {
+        self.memory.restore();
+        self.memory.damaged = false;
+        self.motion
+            .set_settings(&self.memory.planner_settings(self.build.blocks));
+        self.error(7);
+        for line in self.memory.lines() {
+            self.say(&line);
+        }
+    }
+
     /// Carries out a line that begins with `$`, and answers it (now, or behind the steps it queues).
     pub(super) fn dollar(&mut self, line: &str) {
         match self.dollar_result(line) {
@@ -122,30 +134,8 @@ impl Controller {
         if rest != "H" {
             return Err(3);
         }
-        self.mode = Mode::Home;
-        // Seek of Z, then of X and Y together, over all the travel: the time is that of the way, the way itself is not drawn.
-        let seek = self.memory.get(25).max(1.0) / 60.0;
-        let travel = self.memory.axes(130);
-        let time = (travel[2] + travel[0].max(travel[1])) / seek;
-        self.steps.push_back(Step::Wait(time));
-        self.steps.push_back(Step::Homed);
+        self.begin_homing();
         Ok(())
-    }
-
-    /// Where the axes stand after homing.
-    pub(super) fn homed_position(&self) -> Point {
-        let (mask, off, travel) = (
-            self.memory.get(23) as u32,
-            self.memory.get(27),
-            self.memory.axes(130),
-        );
-        Point::from([0, 1, 2].map(|i| {
-            if mask >> i & 1 == 1 {
-                off - travel[i]
-            } else {
-                -off
-            }
-        }))
     }
 
     fn startup_line(&mut self, rest: &str, idle: bool) -> Result<(), u16> {
@@ -162,10 +152,7 @@ impl Controller {
         let (number, text) = rest.get(1..).and_then(|r| r.split_once('=')).ok_or(3u16)?;
         let slot: usize = number.parse().map_err(|_| 2u16)?;
         // It is carried out first, and kept only if it went well.
-        let mut events = Vec::new();
-        interpret_line(&mut self.parser, text, 0, &mut events)
-            .map_err(|e| error_number(&e.complaint))?;
-        self.queue_events(&events);
+        self.carry_out(text)?;
         if let Some(place) = self.memory.startup.get_mut(slot) {
             *place = text.to_string();
         }
@@ -177,13 +164,9 @@ impl Controller {
             if text.is_empty() {
                 continue;
             }
-            let mut events = Vec::new();
-            match interpret_line(&mut self.parser, &text, 0, &mut events) {
-                Ok(()) => {
-                    self.queue_events(&events);
-                    self.say(&format!(">{text}:ok"));
-                }
-                Err(e) => self.say(&format!(">{text}:error:{}", error_number(&e.complaint))),
+            match self.carry_out(&text) {
+                Ok(()) => self.say(&format!(">{text}:ok")),
+                Err(number) => self.say(&format!(">{text}:error:{number}")),
             }
         }
         self.refresh_offset();

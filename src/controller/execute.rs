@@ -1,6 +1,7 @@
 //! The main loop: lines to steps, and steps carried out one after the other, each waiting for what it must wait for.
 
 use super::complaint::error_number;
+use super::eeprom::changed;
 use super::intake::Line;
 use super::{Controller, Deaf, Mode, SAME_MOMENT, Suspend};
 use crate::gcode::{Event, Motion, MotionKind, interpret_line};
@@ -28,8 +29,14 @@ pub(super) enum Step {
     Pause,
     /// M2, M30.
     End,
-    /// A probe's way has ended without contact.
-    ProbeMissed { strict: bool },
+    /// The probe is looked at before it moves.
+    ProbeBegin { away: bool },
+    /// A probe's way has ended, with contact or without.
+    ProbeEnd { strict: bool },
+    /// The place of the last contact is shown.
+    ProbeShow,
+    /// Offsets are written: so many bytes.
+    Write(usize),
     /// Print a line.
     Say(&'static str),
     /// Axes stand on their switches.
@@ -40,6 +47,14 @@ pub(super) enum Step {
     NoMoreOk,
     /// Answer the line.
     Ok,
+}
+
+/// How long the firmware reads a line and plans what it says, s. Fitted to recordings of the real one.
+fn reading_time(line: &Line) -> f64 {
+    match line {
+        Line::Text(text) if !text.is_empty() => 0.0013 + 0.0001 * text.len() as f64,
+        _ => 0.0002,
+    }
 }
 
 impl Controller {
@@ -60,7 +75,20 @@ impl Controller {
             if self.dead {
                 return;
             }
+            self.look_at_pins();
+            if self.deaf != Deaf::No || self.dead {
+                continue;
+            }
+            if self.cable.is_timed() {
+                self.busy_until = self.cable.blocked_until(self.now).max(self.busy_until);
+                if self.now < self.busy_until - SAME_MOMENT {
+                    return;
+                }
+            }
             self.serve_flags();
+            if self.homing.is_some() {
+                self.go_on_homing();
+            }
             if let Suspend::DoorResuming(t) = self.suspend
                 && self.now >= t - SAME_MOMENT
             {
@@ -85,8 +113,15 @@ impl Controller {
                 }
                 continue;
             }
+            if let Some(line) = self.reading.take() {
+                self.dispatch(&line);
+                continue;
+            }
             match self.intake.line() {
-                Some(line) => self.dispatch(&line),
+                Some(line) => {
+                    self.think(reading_time(&line));
+                    self.reading = Some(line);
+                }
                 None => {
                     // The ring has run dry: what is queued may start.
                     self.motion.start();
@@ -126,14 +161,27 @@ impl Controller {
         if matches!(self.mode, Mode::Alarm | Mode::Jog) {
             return self.error(9);
         }
-        let mut events = Vec::new();
-        match interpret_line(&mut self.parser, text, 0, &mut events) {
-            Err(e) => self.error(error_number(&e.complaint)),
-            Ok(()) => {
-                self.queue_events(&events);
-                self.steps.push_back(Step::Ok);
-            }
+        match self.carry_out(text) {
+            Err(number) => self.error(number),
+            Ok(()) => self.steps.push_back(Step::Ok),
         }
+    }
+
+    /// Reads a line of G-code and queues what it means.
+    pub(super) fn carry_out(&mut self, text: &str) -> Result<(), u16> {
+        let before = Controller::stored(&self.parser);
+        let mut events = Vec::new();
+        interpret_line(&mut self.parser, text, 0, &mut events)
+            .map_err(|e| error_number(&e.complaint))?;
+        self.queue_events(&events);
+        let after = Controller::stored(&self.parser);
+        let pairs = before.iter().flatten().zip(after.iter().flatten());
+        let bytes: usize = pairs.map(|(b, a)| changed(*b, *a)).sum();
+        if bytes > 0 {
+            // One more for the checksum.
+            self.steps.push_back(Step::Write(bytes + 1));
+        }
+        Ok(())
     }
 
     /// Turns what a line means into steps.
@@ -155,15 +203,20 @@ impl Controller {
         for event in events {
             match event {
                 Event::Motion(m) => self.queue_motion(m, &shift),
-                Event::Probe { motion, strict, .. } => {
+                Event::Probe {
+                    motion,
+                    strict,
+                    away,
+                } => {
                     let to = motion.to + shift;
                     self.steps.push_back(Step::Sync);
+                    self.steps.push_back(Step::ProbeBegin { away: *away });
                     self.steps.push_back(Step::Block {
                         to,
                         speed: Speed::Fixed(motion.feed),
                     });
                     self.steps.push_back(Step::Sync);
-                    self.steps.push_back(Step::ProbeMissed { strict: *strict });
+                    self.steps.push_back(Step::ProbeEnd { strict: *strict });
                 }
                 Event::Dwell { time, .. } => {
                     self.steps.push_back(Step::Sync);
@@ -289,24 +342,40 @@ impl Controller {
                 self.clear_overrides();
                 self.say("[MSG:Pgm End]");
             }
-            Step::ProbeMissed { strict } => {
+            Step::ProbeBegin { away } => {
                 self.probe_hit = false;
-                if strict {
-                    self.steps.pop_front();
-                    self.steps.push_front(Step::ProbeMissed { strict: false });
-                    self.alarm(5);
-                    // After the alarm the place of the last contact is shown, which is none.
+                if self.probe_active() != away {
+                    let here = self.motion.position();
+                    self.parser.set_machine_position(&here);
+                    self.steps.retain(|s| *s == Step::Ok);
+                    self.alarm(4);
                     return true;
                 }
-                if self.mode != Mode::Alarm {
-                    self.probe = self.motion.position();
-                }
-                self.report_probe();
+                self.probing = Some(!away);
             }
+            Step::ProbeEnd { strict } => {
+                let missed = self.probing.take().is_some();
+                let here = self.motion.position();
+                self.motion.abort();
+                self.parser.set_machine_position(&here);
+                self.steps.pop_front();
+                self.steps.push_front(Step::ProbeShow);
+                if missed && strict {
+                    // The place of the last contact stays as it was, and is shown behind the alarm.
+                    self.alarm(5);
+                } else if missed {
+                    self.probe = self.motion.steps_at(&here);
+                }
+                return true;
+            }
+            Step::ProbeShow => self.report_probe(),
+            Step::Write(bytes) => self.write_eeprom(bytes),
             Step::Say(text) => self.say(text),
             Step::Homed => {
-                let home = self.homed_position();
-                self.motion.set_position(home);
+                if self.homing.is_some() {
+                    return false;
+                }
+                let home = self.motion.position();
                 self.parser.set_machine_position(&home);
                 self.mode = Mode::Normal;
                 self.queue_startup_lines();

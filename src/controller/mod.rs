@@ -24,12 +24,15 @@
 //! assert!(said.ends_with("ok\r\n<Idle|MPos:1.000,0.000,0.000|FS:0,0|WCO:0.000,0.000,0.000>\r\n"));
 //! ```
 
+mod cable;
 mod complaint;
 mod dollar;
+mod eeprom;
 mod execute;
 pub mod fault;
 pub mod fault_plan;
 pub mod front;
+mod homing;
 pub mod intake;
 pub mod motion;
 pub mod pins;
@@ -43,6 +46,7 @@ pub mod rig;
 pub mod script;
 pub mod settings;
 pub mod tcp;
+mod switches;
 
 pub use fault::{Faults, Side, Tally};
 pub use fault_plan::{Deed, FaultError, FaultPlan, Noise, When};
@@ -56,12 +60,14 @@ pub use script::Script;
 pub use settings::Memory;
 pub use tcp::{Guests, Tcp, TcpError};
 
-use crate::gcode::{Dialect, State as Parser};
-use crate::geom::Point;
+use crate::gcode::State as Parser;
+use crate::geom::{Point, Vector};
 use crate::kinematics::Overrides;
 use crate::machine::Machine;
+use cable::Cable;
 use execute::Step;
-use intake::Intake;
+use homing::Homing;
+use intake::{Intake, Line};
 use motion::Motion;
 use std::collections::VecDeque;
 
@@ -76,6 +82,8 @@ pub struct Build {
     pub profile: Profile,
     /// Its oddities.
     pub quirks: Quirks,
+    /// Bits a second of the serial line and with it the time the firmware takes to think; `None`: neither takes any time.
+    pub baud: Option<u32>,
 }
 
 impl Build {
@@ -86,6 +94,7 @@ impl Build {
             rx_bytes: profile.rx_bytes(),
             profile,
             quirks: Quirks::default(),
+            baud: None,
         }
     }
 }
@@ -166,7 +175,11 @@ pub struct Controller {
     /// End of the wait that the current step is in (dwell, drain, homing).
     wait: Option<f64>,
     now: f64,
-    out: Vec<u8>,
+    cable: Cable,
+    /// The main loop thinks until then, and does nothing else.
+    busy_until: f64,
+    /// The line it thinks about.
+    reading: Option<Line>,
     percent: Percent,
     spindle: i8,
     rpm: f64,
@@ -182,6 +195,16 @@ pub struct Controller {
     soft_limit: bool,
     pins: Pins,
     switches: Switches,
+    /// Where the machine's zero was at power-up, machine coordinates, mm, with the sign turned: switches do not move.
+    bench: Vector,
+    /// Limit pins when last looked at.
+    limits_seen: [bool; 3],
+    /// Buttons when last looked at: hold, reset, cycle start, door.
+    buttons_seen: [bool; 4],
+    homing: Option<Homing>,
+    writing: Option<eeprom::Write>,
+    /// A probe is on its way and waits for this state of its pin.
+    probing: Option<bool>,
 }
 
 impl Controller {
@@ -202,11 +225,19 @@ impl Controller {
 
     /// A controller just switched on, at machine zero.
     pub fn with_build(memory: Memory, build: Build) -> Controller {
-        let mut controller = Controller {
+        let mut controller = Controller::off(memory, build);
+        controller.switch_on();
+        controller
+    }
+
+    fn off(memory: Memory, build: Build) -> Controller {
+        let mut parser = Parser::new(build.profile.dialect());
+        memory.recall(&mut parser);
+        Controller {
             motion: Motion::new(&memory.planner_settings(build.blocks), Point::origin()),
             build,
             memory,
-            parser: Parser::new(Dialect::Grbl),
+            parser,
             intake: Intake::new(build.rx_bytes),
             flags: realtime::Flags::default(),
             steps: VecDeque::new(),
@@ -216,7 +247,9 @@ impl Controller {
             dead: false,
             wait: None,
             now: 0.0,
-            out: Vec::new(),
+            cable: Cable::new(build.baud),
+            busy_until: 0.0,
+            reading: None,
             percent: NO_OVERRIDES,
             spindle: 0,
             rpm: 0.0,
@@ -231,32 +264,49 @@ impl Controller {
             soft_limit: false,
             pins: Pins::default(),
             switches: Switches::default(),
-        };
-        if controller.memory.is_on(22) {
-            controller.mode = Mode::Alarm;
+            bench: Vector::zeros(),
+            limits_seen: [false; 3],
+            buttons_seen: [false; 4],
+            homing: None,
+            writing: None,
+            probing: None,
         }
-        controller.restart();
-        controller.work();
-        controller
+    }
+
+    fn switch_on(&mut self) {
+        self.limits_seen = self.limit_pins();
+        self.buttons_seen = self.buttons();
+        if self.memory.damaged {
+            self.recover_memory();
+        }
+        if self.memory.is_on(22) {
+            self.mode = Mode::Alarm;
+        }
+        self.restart();
+        self.work();
+    }
+
+    /// The settings, with the offsets and places stored by now.
+    pub fn memory(&self) -> Memory {
+        let mut memory = self.memory.clone();
+        memory.remember(&self.parser);
+        memory
     }
 
     /// Off and on again: settings, stored offsets and places stay, all else is as new, at machine zero.
     pub fn power_cycle(&mut self) {
-        let mut fresh = Controller::with_build(self.memory.clone(), self.build);
-        (fresh.parser.g5x, fresh.parser.g28, fresh.parser.g30) =
-            (self.parser.g5x, self.parser.g28, self.parser.g30);
-        // Startup lines may name stored offsets, so they run once more with them.
-        fresh.out.clear();
-        fresh.steps.clear();
-        fresh.parser.reset();
-        fresh.restart();
-        fresh.work();
+        let mut fresh = Controller::off(self.memory(), self.build);
+        (fresh.pins, fresh.switches, fresh.now) = (self.pins, self.switches, self.now);
+        fresh.switch_on();
         *self = fresh;
     }
 
     /// Bytes from the cable. They arrive at this moment of machine time, but one after the other: the main loop looks at real-time
     /// flags between them as often as it would at 115200 baud, so repeats are merged the way they are on the cable.
     pub fn feed(&mut self, bytes: &[u8]) {
+        if self.cable.is_timed() {
+            return self.cable.put(bytes, self.now);
+        }
         let mut busy_until = 0.0;
         for (index, &byte) in bytes.iter().enumerate() {
             let at = index as f64 + 1.0;
@@ -331,21 +381,46 @@ impl Controller {
             standing = if at > self.now { 0 } else { standing + 1 };
             self.pass(at - self.now);
             self.now = at;
+            self.arrive();
             self.work();
         }
         self.pass(end - self.now);
         self.now = end;
+        self.arrive();
         self.work();
+        self.cable.pass(end);
+    }
+
+    /// Bytes that have come along a timed line by now.
+    fn arrive(&mut self) {
+        self.cable.pass(self.now);
+        while let Some(byte) = self.cable.arrived(self.now) {
+            if self.loses() {
+                continue;
+            }
+            match self.intake.arrive(byte) {
+                Some(crate::wire::Realtime::Reset) => _ = self.reset(),
+                Some(command) => self.flags.set(command),
+                None => {}
+            }
+        }
+    }
+
+    /// The main loop is busy for so long, s; on an untimed line thinking takes no time.
+    fn think(&mut self, seconds: f64) {
+        if self.cable.is_timed() {
+            self.busy_until = self.busy_until.max(self.now) + seconds;
+        }
     }
 
     /// What it said since the last call.
     pub fn output(&mut self) -> Vec<u8> {
-        std::mem::take(&mut self.out)
+        self.cable.take()
     }
 
     /// It has said something that was not taken yet.
     pub fn has_output(&self) -> bool {
-        !self.out.is_empty()
+        self.cable.has_output()
     }
 
     /// Machine time since it was made, s.
@@ -362,12 +437,16 @@ impl Controller {
         };
         // The deaf and the dead do not look at these.
         let awake = self.deaf == Deaf::No && !self.dead;
+        let busy = Some(self.busy_until).filter(|t| *t > self.now + SAME_MOMENT);
+        let switch = self.next_switch().map(|dt| self.now + dt);
+        let homing = self.homing.as_ref().and_then(Homing::wakes);
         let door = match self.suspend {
             Suspend::DoorResuming(t) if awake => Some(t),
             _ => None,
         };
         let wait = self.wait.filter(|_| awake && self.suspend == Suspend::None);
-        [axes, deaf, door, wait]
+        let (arrival, left) = (self.cable.next_arrival(), self.cable.quiet_at());
+        [axes, deaf, door, wait, busy, switch, homing, arrival, left]
             .into_iter()
             .flatten()
             .map(|t| t.max(self.now))
@@ -389,9 +468,22 @@ impl Controller {
         self.motion.going()
     }
 
+    /// What the axes did last was a rapid move.
+    pub fn ran_rapid(&self) -> bool {
+        self.motion.ran_rapid()
+    }
+
     /// Machine position, mm.
     pub fn position(&self) -> Point {
-        self.motion.position()
+        match &self.homing {
+            Some(homing) => homing.position(&self.motion.position()),
+            None => self.motion.position(),
+        }
+    }
+
+    /// Machine position in whole steps, as the firmware counts it, mm.
+    pub fn position_in_steps(&self) -> Point {
+        self.motion.steps_at(&self.position())
     }
 
     /// Machine time from the first motion since power-up to the last standstill (or to now, while moving), s.
@@ -421,8 +513,10 @@ impl Controller {
     }
 
     fn say(&mut self, line: &str) {
-        self.out.extend_from_slice(line.as_bytes());
-        self.out.extend_from_slice(b"\r\n");
+        // A byte of the line is a character up to U+00FF here.
+        let mut bytes: Vec<u8> = line.chars().map(|c| c as u32 as u8).collect();
+        bytes.extend_from_slice(b"\r\n");
+        self.cable.say(&bytes, self.now);
     }
 
     fn ok(&mut self) {
@@ -445,6 +539,8 @@ impl Controller {
         }
         let homing = self.mode == Mode::Home;
         let moving = self.motion.going() || homing;
+        self.end_homing();
+        self.probing = None;
         self.motion.abort();
         if moving {
             self.mode = Mode::Alarm;
@@ -481,6 +577,8 @@ impl Controller {
         self.parser.reset();
         self.parser.set_machine_position(&here);
         self.intake.clear();
+        self.reading = None;
+        self.busy_until = self.now;
         self.flags = realtime::Flags::default();
         self.steps.clear();
         self.suspend = Suspend::None;
@@ -496,8 +594,12 @@ impl Controller {
     fn restart(&mut self) {
         (self.wco_in, self.overrides_in) = (0, 0);
         self.refresh_offset();
-        self.out.extend_from_slice(b"\r\n");
-        self.say("Grbl 1.1h ['$' for help]");
+        self.cable.say(b"\r\n", self.now);
+        self.say(self.build.profile.welcome());
+        if self.memory.is_on(21) && self.limit_pins().contains(&true) {
+            self.mode = Mode::Alarm;
+            self.say("[MSG:Check Limits]");
+        }
         if self.mode == Mode::Alarm {
             self.say("[MSG:'$H'|'$X' to unlock]");
         } else {

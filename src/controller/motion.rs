@@ -73,10 +73,18 @@ impl Motion {
         self.position
     }
 
-    /// The same in whole steps, as the firmware counts and reports it, mm.
-    pub fn position_in_steps(&self) -> Point {
+    /// A place in whole steps, as the firmware counts and reports it, mm.
+    pub fn steps_at(&self, place: &Point) -> Point {
         self.planner
-            .point_of_steps(&self.planner.steps_of_point(&self.position))
+            .point_of_steps(&self.planner.steps_of_point(place))
+    }
+
+    /// Seconds until a coordinate comes to `at` within the slice that runs now; `None` if it does not, or stands there already.
+    pub fn reach(&self, axis: usize, at: f64) -> Option<f64> {
+        let slice = self.slices.front().filter(|_| self.going)?;
+        let (from, to, now) = (slice.from[axis], slice.to[axis], self.position[axis]);
+        let ahead = (at - now) * (to - from) > 0.0 && (at - to) * (at - now) <= 0.0;
+        ahead.then(|| (slice.duration * (at - from) / (to - from) - self.run).max(0.0))
     }
 
     /// Path speed at the end of what is prepared, mm/s: what the firmware reports as speed.
@@ -96,6 +104,11 @@ impl Motion {
     /// Nothing is queued and nothing moves.
     pub fn is_empty(&self) -> bool {
         self.planner.is_empty() && self.slices.is_empty()
+    }
+
+    /// No block is queued, and at most the motors are being held at the end of a motion.
+    pub fn is_empty_but_rest(&self) -> bool {
+        self.planner.is_empty() && (self.slices.is_empty() || self.resting)
     }
 
     /// A cycle is in progress: axes move, are about to, or have just stopped.

@@ -1,5 +1,7 @@
 //! Which firmware is played, and which of its oddities.
 
+use crate::gcode::Dialect;
+
 /// The firmware played.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Profile {
@@ -30,6 +32,25 @@ impl Profile {
             Profile::Grbl11f => "grbl-1.1f",
             Profile::GrblHal => "grblhal",
             Profile::FluidNc => "fluidnc",
+        }
+    }
+
+    /// Whose G-code it reads.
+    pub(super) fn dialect(self) -> Dialect {
+        match self {
+            Profile::Grbl11h | Profile::Grbl11f => Dialect::Grbl,
+            Profile::GrblHal => Dialect::GrblHal,
+            Profile::FluidNc => Dialect::FluidNc,
+        }
+    }
+
+    /// The line it greets with.
+    pub(super) fn welcome(self) -> &'static str {
+        match self {
+            Profile::Grbl11h => "Grbl 1.1h ['$' for help]",
+            Profile::Grbl11f => "Grbl 1.1f ['$' for help]",
+            Profile::GrblHal => "GrblHAL 1.1f ['$' or '$HELP' for help]",
+            Profile::FluidNc => "Grbl 3.9 [FluidNC v3.9.1 (wifi) '$' for help]",
         }
     }
 

@@ -56,7 +56,7 @@ impl Controller {
 
     pub(super) fn report_status(&mut self) {
         let mut status = Status::new(self.state());
-        let place = self.motion.position_in_steps();
+        let place = self.position_in_steps();
         let place = [place.x, place.y, place.z];
         let mask = self.memory.get(10) as u32;
         status.position = Some(if mask & 1 == 1 {
@@ -85,6 +85,7 @@ impl Controller {
             0.0
         });
 
+        self.report_pins(&mut status);
         let busy = matches!(
             status.state,
             State::Run | State::Hold { .. } | State::Jog | State::Home | State::Door(_)
@@ -118,6 +119,21 @@ impl Controller {
         }
         let line = status.write(self.inches());
         self.say(&line);
+    }
+
+    fn report_pins(&self, status: &mut Status) {
+        let [x, y, z] = self.limits_active();
+        let pins = [
+            (self.probe_active(), 'P'),
+            (x, 'X'),
+            (y, 'Y'),
+            (z, 'Z'),
+            (self.door_ajar(), 'D'),
+            (self.pins.hold, 'H'),
+            (self.pins.reset, 'R'),
+            (self.pins.cycle_start, 'S'),
+        ];
+        status.pins.extend(pins.iter().filter(|p| p.0).map(|p| p.1));
     }
 
     pub(super) fn report_modes(&mut self) {

@@ -1,5 +1,7 @@
 //! The `$n=value` memory and what survives a power cycle beside it.
 
+use crate::gcode::State as Parser;
+use crate::geom::{Point, Vector};
 use crate::kinematics::Settings;
 use crate::machine::Machine;
 use crate::units::{Mm, MmPerMin, MmPerSec2, Seconds};
@@ -62,6 +64,10 @@ pub struct Memory {
     pub startup: [String; 2],
     /// `$I=` text.
     pub build_text: String,
+    /// Origins of G54 to G59, then the places of G28 and G30, machine coordinates, mm.
+    pub places: [[f64; 3]; 8],
+    /// The settings do not read back right: the next power-up restores the defaults and says so (error 7).
+    pub damaged: bool,
 }
 
 impl Default for Memory {
@@ -70,6 +76,8 @@ impl Default for Memory {
             values: TABLE.map(|t| t.2),
             startup: Default::default(),
             build_text: String::new(),
+            places: [[0.0; 3]; 8],
+            damaged: false,
         }
     }
 }
@@ -169,6 +177,20 @@ impl Memory {
         }
         self.set(number, stored);
         Ok(())
+    }
+
+    /// Takes the stored offsets and places from what the parser knows.
+    pub(super) fn remember(&mut self, parser: &Parser) {
+        self.places = super::Controller::stored(parser);
+    }
+
+    /// Gives the stored offsets and places to the parser.
+    pub(super) fn recall(&self, parser: &mut Parser) {
+        for (origin, place) in parser.g5x.iter_mut().zip(&self.places) {
+            *origin = Vector::from(*place);
+        }
+        let [.., g28, g30] = self.places;
+        (parser.g28, parser.g30) = (Point::from(g28), Point::from(g30));
     }
 
     /// Back to the defaults (`$RST=$`).
