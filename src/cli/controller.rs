@@ -10,7 +10,7 @@ use super::output::say;
 use super::send::pace;
 use crate::controller::{
     Build, Controller, FaultPlan, Faults, Guests, Memory, News, Pace, Pty, Quirks, Readout, Rig,
-    RigOptions, Script, Tcp,
+    RigOptions, Script, Switches, Tcp,
 };
 use crate::machine::{Machine, SettingsFile};
 use rehearse::Bench;
@@ -163,7 +163,8 @@ fn serve(args: &ControllerArgs, out: &mut dyn Write, stop: &AtomicBool) -> Resul
         None => None,
         Some(part) => Some(Bench::lay(part, args)?),
     };
-    let mut controller = controller(args, &machine, script.moves_the_door())?;
+    let eeprom_loss = faults.plan().eeprom_loss;
+    let mut controller = controller(args, &machine, script.moves_the_door(), eeprom_loss)?;
     if let Some(zero) = args.work_zero.or_else(|| {
         let half = machine.travel.map(|t| -0.5 * t.0);
         bench.as_ref().map(|_| half)
@@ -240,7 +241,7 @@ fn serve(args: &ControllerArgs, out: &mut dyn Write, stop: &AtomicBool) -> Resul
     }
     listener.judge(&rig.take_drive(), false)?;
     if let Some(file) = &args.eeprom {
-        keep::write(file, rig.memory())?;
+        keep::write(file, &rig.memory())?;
     }
     if !rig.faults().plan().is_empty() {
         say(&format!("faults done: {}", rig.faults().tally()));
@@ -321,6 +322,7 @@ fn controller(
     args: &ControllerArgs,
     machine: &Machine,
     door_pin: bool,
+    timed: bool,
 ) -> Result<Controller, String> {
     let mut memory = Memory::of_machine(machine);
     if let Some(file) = &args.settings {
@@ -342,13 +344,41 @@ fn controller(
     let build = Build {
         blocks: machine.planner_blocks,
         rx_bytes: machine.rx_buffer,
+        // Only on a line that takes its time does anything arrive while the firmware writes.
+        baud: timed.then_some(machine.baud),
         quirks: Quirks {
             door_pin,
             ..Quirks::default()
         },
         ..Build::default()
     };
-    Ok(Controller::with_build(memory, build))
+    let switches = switches(&memory);
+    let mut controller = Controller::with_build(memory, build);
+    controller.set_switches(switches);
+    Ok(controller)
+}
+
+/// Limit switches where a machine parked at home has them: at the home end of each axis the pull-off away, so that homing finds them, and
+/// at the other end a millimetre behind the travel.
+fn switches(memory: &Memory) -> Switches {
+    let (steps, travel) = (memory.axes(100), memory.axes(130));
+    let (pull_off, negative) = (memory.get(27), memory.get(23) as u32);
+    let mut limits = [None; 6];
+    for (axis, pair) in limits.chunks_mut(2).enumerate() {
+        let (home, end) = (pull_off, -(travel[axis] - pull_off + 1.0));
+        let places = if negative >> axis & 1 == 1 {
+            [-home, -end]
+        } else {
+            [end, home]
+        };
+        for (limit, mm) in pair.iter_mut().zip(places) {
+            *limit = Some((mm * steps[axis]).round() as i64);
+        }
+    }
+    Switches {
+        limits,
+        probe_z: None,
+    }
 }
 
 /// Faults of the command line. Without `seed:N` the clock gives one.

@@ -290,6 +290,13 @@ impl Faults {
         self.maybe_ok = Some(Vec::new());
     }
 
+    /// Bytes are under way.
+    pub fn is_carrying(&self) -> bool {
+        [&self.to_controller, &self.to_host]
+            .iter()
+            .any(|l| !l.under_way.is_empty())
+    }
+
     /// When something happens by itself next, s: bytes arrive, or a deed is due.
     pub fn next(&self) -> Option<f64> {
         let bytes = [&self.to_controller, &self.to_host]

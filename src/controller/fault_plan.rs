@@ -58,7 +58,8 @@ pub struct FaultPlan {
     pub delay: f64,
     /// What is done when.
     pub deeds: Vec<(When, Deed)>,
-    /// Bytes that arrive while the controller writes its EEPROM are lost.
+    /// Bytes that arrive while the controller writes its EEPROM are lost. Only a serial line with a speed ([`super::Build::baud`]) has
+    /// bytes that arrive meanwhile.
     pub eeprom_loss: bool,
     /// The receive buffer is really so large, whatever the controller says of it. Bytes.
     pub rx_bytes: Option<usize>,

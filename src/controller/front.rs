@@ -111,7 +111,7 @@ impl Front {
         let readout = Arc::new(Mutex::new(Readout::default()));
         let server = Server {
             programs: rig.programs_ended(),
-            stored: rig.memory().clone(),
+            stored: rig.memory(),
             rig,
             pipe,
             pace,
@@ -284,10 +284,10 @@ impl<P: Pipe> Server<P> {
             let drive = self.rig.take_drive();
             self.announce(News::ProgramEnded(drive));
         }
-        if *self.rig.memory() != self.stored {
-            self.stored = self.rig.memory().clone();
-            let news = News::Stored(Box::new(self.stored.clone()));
-            self.announce(news);
+        let memory = self.rig.memory();
+        if memory != self.stored {
+            self.stored = memory.clone();
+            self.announce(News::Stored(Box::new(memory)));
         }
     }
 

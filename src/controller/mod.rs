@@ -34,6 +34,7 @@ pub mod fault_plan;
 pub mod front;
 mod homing;
 pub mod intake;
+mod memory_text;
 pub mod motion;
 pub mod pins;
 pub mod profile;
@@ -45,8 +46,8 @@ mod report;
 pub mod rig;
 pub mod script;
 pub mod settings;
-pub mod tcp;
 mod switches;
+pub mod tcp;
 
 pub use fault::{Faults, Side, Tally};
 pub use fault_plan::{Deed, FaultError, FaultPlan, Noise, When};

@@ -140,7 +140,12 @@ impl Rig {
     pub fn is_busy(&self) -> bool {
         match self.off_until {
             Some(_) => true,
-            None => self.controller.is_busy(),
+            None => {
+                // Bytes on their way need nobody's help either.
+                let cable = &self.controller.cable;
+                let travelling = cable.next_arrival().is_some() || cable.quiet_at().is_some();
+                self.controller.is_busy() || travelling || self.faults.is_carrying()
+            }
         }
     }
 
@@ -155,8 +160,8 @@ impl Rig {
     }
 
     /// What survives when it is switched off.
-    pub fn memory(&self) -> &Memory {
-        &self.controller.memory
+    pub fn memory(&self) -> Memory {
+        self.controller.memory()
     }
 
     /// The cable.

@@ -225,7 +225,7 @@ pub enum Unknown {
     Silent {
         /// What was waited for.
         waiting_for: &'static str,
-        /// The last thing it said was this alarm.
+        /// The last thing it said was this alarm (GRBL 1.1's number: nobody could ask which firmware it is).
         alarm: Option<u16>,
     },
     /// It is in a state in which questions are not answered.

@@ -53,12 +53,12 @@ impl Firmware {
 
     /// The meaning of its `error:code`, if its tables have one.
     pub fn error(self, code: u16) -> Option<super::Meaning> {
-        super::error_meaning(code)
+        super::forks::error(self, code)
     }
 
     /// The meaning of its `ALARM:code`, if its tables have one.
     pub fn alarm(self, code: u16) -> Option<super::Meaning> {
-        super::alarm_meaning(code)
+        super::forks::alarm(self, code)
     }
 
     /// Most characters of a line that count (blanks and comments do not). GRBL 1.1 and grblHAL answer error 11 to more; FluidNC cuts

@@ -7,6 +7,7 @@
 
 pub mod complaint;
 pub mod firmware;
+mod forks;
 pub mod lines;
 pub mod meaning;
 pub mod modes;

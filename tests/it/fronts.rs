@@ -199,6 +199,35 @@ fn each_opening_of_a_pseudo_terminal_greets_anew() {
     }
 }
 
+/// A sender as many are: it opens the device as a file and sets nothing, wakes the controller with two line ends, then sends a line, waits
+/// for its `ok`, and the next; it comes a second time for the next job.
+#[test]
+fn a_plain_sender_of_another_maker() {
+    use std::io::{BufRead as _, BufReader};
+    let pty = Pty::start(mill(), Pace::Unbound).unwrap();
+    for job in 1..=2 {
+        let mut file = std::fs::OpenOptions::new().read(true).write(true).open(pty.path()).unwrap();
+        let mut lines = BufReader::new(file.try_clone().unwrap()).lines().map(|l| l.unwrap());
+        let mut next = || lines.find(|l| !l.trim().is_empty()).unwrap().trim().to_string();
+        assert_eq!(next(), "Grbl 1.1h ['$' for help]");
+        file.write_all(b"\r\n\r\n").unwrap();
+        for _ in 0..4 {
+            assert_eq!(next(), "ok");
+        }
+        for k in 0..60 {
+            file.write_all(format!("G1 X{}.5 Y{k} F2000\n", k % 5).as_bytes()).unwrap();
+            assert_eq!(next(), "ok", "line {k} of job {job}");
+        }
+        file.write_all(b"G4 P0\n?").unwrap();
+        let mut said = next();
+        while !said.starts_with("<Idle|MPos:4.500,59.000,0.000|") {
+            file.write_all(b"?").unwrap();
+            said = next();
+        }
+    }
+    assert_eq!(pty.readout().bytes_lost, 0);
+}
+
 /// A session-like exchange with faults, in virtual time, by the wall clock of nobody: twice the same.
 #[test]
 fn faults_replay_without_any_front() {
@@ -367,6 +396,21 @@ fn settings_of_a_file_are_the_controllers() {
     // Not served: how to reach it was not said.
     let mut out = Vec::new();
     assert_eq!(run_until(&args, &mut out, &AtomicBool::new(false)), 2);
+    let kept = dir.path().join("eeprom.txt").display().to_string();
+    // Homing finds its switches, and what is set stays for the next run.
+    std::fs::write(&path, "$110=1234\n$22=1\n$130=30\n$131=30\n$132=30\n$25=1500\n").unwrap();
+    let (code, _, said) = controller(&["--settings", &path, "--eeprom", &kept], "$H\nG10L2P2X-1.5Y-2Z-3\n$N0=G55\n$13=1\n?");
+    assert_eq!(code, 0);
+    assert!(said.contains("unlock]\r\n"), "{said}");
+    let text = std::fs::read_to_string(&kept).unwrap();
+    assert!(text.contains("$13=1\n") && text.contains("$N0=G55\n") && text.contains("\nG55=-1.5,-2,-3\n"), "{text}");
+    let (_, _, said) = controller(&["--eeprom", &kept], "$H\n$$\n$#");
+    assert!(said.contains("$13=1\r\n") && said.contains("$110=1234.000\r\n"), "{said}");
+    assert!(said.contains("[G55:-0.0591,-0.0787,-0.1181]"), "{said}");
+    assert!(said.contains(">G55:ok"), "{said}");
+    std::fs::write(&kept, "$110=1e3x").unwrap();
+    assert_eq!(controller(&["--eeprom", &kept], "").0, 2);
+    std::fs::write(&path, "$110=1234\n$22=0\n$13=0\n").unwrap();
     let (code, _, said) = controller(&["--settings", &path], "$$");
     assert_eq!(code, 0);
     assert!(said.contains("$110=1234.000\r\n$111=4000.000"), "{said}");

@@ -6,11 +6,16 @@ use morsemill::cli::send::{self, SendArgs};
 use morsemill::controller::{Controller, Memory, Pace};
 use morsemill::geom::Point;
 use morsemill::kinematics::{Settings, program_time};
-use morsemill::link::{Command, Ending, Job, Outcome, Progress, Session, SessionOptions};
+use morsemill::link::vet::MemoryWriters;
+use morsemill::link::{
+    Command, Ending, Job, JobReader, Known, Outcome, Progress, Session,
+    SessionOptions, Stall, Step, Text, VetOptions, vet,
+};
 use morsemill::wire::Firmware;
 use morsemill::machine::Machine;
 use proptest::prelude::*;
 use std::collections::VecDeque;
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 fn memory() -> Memory {
@@ -25,6 +30,12 @@ fn memory() -> Memory {
 /// A cable with a delay for each piece of bytes, in milliseconds, repeated; pieces are cut to the sizes given, repeated.
 #[derive(Clone, Debug)]
 struct Cable {
+    /// Bytes a millisecond; `None`: as many as come.
+    rate: Option<f64>,
+    /// When the last byte has gone through, ms.
+    free_at: f64,
+    /// Milliseconds in which bytes went through.
+    busy: f64,
     delays: Vec<u64>,
     cuts: Vec<usize>,
     turn: usize,
@@ -34,6 +45,9 @@ struct Cable {
 impl Cable {
     fn new(delays: Vec<u64>, cuts: Vec<usize>) -> Cable {
         Cable {
+            rate: None,
+            free_at: 0.0,
+            busy: 0.0,
             delays,
             cuts,
             turn: 0,
@@ -46,7 +60,13 @@ impl Cable {
         while !rest.is_empty() {
             self.turn += 1;
             let cut = self.cuts[self.turn % self.cuts.len()].clamp(1, rest.len());
-            let at = now + self.delays[self.turn % self.delays.len()];
+            let mut at = now + self.delays[self.turn % self.delays.len()];
+            if let Some(rate) = self.rate {
+                let time = cut as f64 / rate;
+                self.free_at = self.free_at.max(now as f64) + time;
+                self.busy += time;
+                at += (self.free_at - now as f64).ceil() as u64;
+            }
             // Bytes never overtake each other.
             let at = self.pieces.back().map_or(at, |p| p.0.max(at));
             self.pieces.push_back((at, rest[..cut].to_vec()));
@@ -76,8 +96,17 @@ struct Bench {
     takes: Vec<usize>,
     /// Bytes that noise turns into others on their way out, once.
     noise: Option<(&'static str, &'static str)>,
-    /// Lines the controller was sent, with the number of unanswered ones then.
-    heard: Vec<u8>,
+    /// What went out, by line or real-time byte, and what was answered (`<ok`), with the time in ms.
+    log: Vec<(u64, String)>,
+    /// Lines under way, and the end of the log that is no whole line yet.
+    under_way: VecDeque<String>,
+    partial: String,
+    /// Most dangerous lines under way at once: rapids, and Z alone.
+    most_dangerous: usize,
+}
+
+fn is_dangerous(line: &str) -> bool {
+    line.starts_with("G0") && line.contains(['X', 'Y', 'Z']) || line.starts_with("G1Z")
 }
 
 impl Bench {
@@ -93,18 +122,21 @@ impl Bench {
             news: Vec::new(),
             takes: vec![usize::MAX],
             noise: None,
-            heard: Vec::new(),
+            log: Vec::new(),
+            under_way: VecDeque::new(),
+            partial: String::new(),
+            most_dangerous: 0,
         }
     }
 
     fn plain(program: &str) -> Bench {
+        Bench::with(program, VetOptions::default())
+    }
+
+    fn with(program: &str, options: VetOptions) -> Bench {
         let cable = Cable::new(vec![1], vec![1000]);
-        Bench::new(
-            Job::vet(program).unwrap(),
-            Controller::new(memory()),
-            cable.clone(),
-            cable,
-        )
+        let job = vet(Arc::new(Text(program.into())), options, &mut |_, _| {}).unwrap();
+        Bench::new(job, Controller::new(memory()), cable.clone(), cable)
     }
 
     fn tick(&mut self) {
@@ -113,7 +145,12 @@ impl Bench {
         self.controller.advance(0.001);
         let said = self.controller.output();
         self.back.send(self.now, &said);
-        self.session.receive(&self.back.arrive(self.now), now);
+        let arrived = self.back.arrive(self.now);
+        for _ in arrived.windows(4).filter(|w| w == b"ok\r\n") {
+            self.under_way.pop_front();
+            self.log.push((self.now, "<ok".to_string()));
+        }
+        self.session.receive(&arrived, now);
         self.session.tick(now);
         let mut out = self.session.output();
         out.truncate(self.takes[self.now as usize % self.takes.len()]);
@@ -125,12 +162,45 @@ impl Bench {
                 self.noise = None;
             }
         }
+        self.record(&out);
         self.there.send(self.now, &out);
         let heard = self.there.arrive(self.now);
-        self.heard.extend(&heard);
         self.controller.feed(&heard);
         self.most_in_flight = self.most_in_flight.max(self.session.in_flight());
         self.news.extend(self.session.news());
+    }
+
+    fn record(&mut self, out: &[u8]) {
+        for byte in out {
+            match byte {
+                b'\n' => {
+                    let line = std::mem::take(&mut self.partial);
+                    self.log.push((self.now, line.clone()));
+                    self.under_way.push_back(line);
+                    let dangerous = self.under_way.iter().filter(|l| is_dangerous(l)).count();
+                    self.most_dangerous = self.most_dangerous.max(dangerous);
+                }
+                b'?' | b'!' | b'~' | 0x18 | 0x80.. => {
+                    self.log.push((self.now, char::from(*byte).to_string()));
+                }
+                _ => self.partial.push(char::from(*byte)),
+            }
+        }
+    }
+
+    /// When this went out, ms.
+    fn times(&self, what: &str) -> Vec<u64> {
+        self.log.iter().filter(|l| l.1 == what).map(|l| l.0).collect()
+    }
+
+    fn until(&mut self, word: &str) {
+        for _ in 0..120_000 {
+            if self.heard(word) {
+                return;
+            }
+            self.tick();
+        }
+        panic!("never heard of {word}: {:?}", self.news);
     }
 
     fn ticks(&mut self, milliseconds: u64) {
@@ -398,6 +468,331 @@ fn the_second_ctrl_c_resets_in_motion_and_says_what_it_costs() {
     assert_eq!(outcome.ending, Ending::Aborted);
     assert!(!outcome.position_kept);
     at_rest_for_good(&mut bench, &outcome);
+}
+
+#[test]
+fn a_port_that_takes_few_bytes_at_once_changes_nothing() {
+    let mut bench = Bench::plain(&spiral(60, 0.2));
+    bench.takes = vec![0, 3, 1, 7];
+    let outcome = bench.finish();
+    assert_eq!(outcome.ending, Ending::Done);
+    assert_eq!(bench.controller.bytes_lost(), 0);
+    // A stop goes out before what the port has not taken, and what it has not taken never goes out.
+    let mut bench = Bench::plain(&spiral(600, 0.2));
+    bench.takes = vec![1];
+    bench.ticks(4000);
+    bench.command(Command::Stop);
+    let outcome = bench.finish();
+    assert_eq!(outcome.ending, Ending::Stopped);
+    let stop = bench.times("!")[0];
+    let after = bench.log.iter().filter(|l| l.0 > stop + 1 && l.1.len() > 1 && l.1 != "<ok");
+    assert_eq!(after.count(), 0, "{:?}", bench.log);
+    at_rest_for_good(&mut bench, &outcome);
+}
+
+#[test]
+fn a_line_that_writes_memory_goes_alone_and_in_silence() {
+    let options = VetOptions {
+        memory_writers: MemoryWriters::Barrier,
+        ..VetOptions::default()
+    };
+    let program = "G21 G90\nG1 X2 F300\nX4\nX6\nG10 L2 P2 X5\nG1 X8\nX1\n";
+    let mut bench = Bench::with(program, options);
+    assert_eq!(bench.finish().ending, Ending::Done);
+    let at = bench.log.iter().position(|l| l.1 == "G10L2P2X5").unwrap();
+    let before: Vec<&str> = bench.log[..at].iter().map(|l| l.1.as_str()).collect();
+    let lines = before.iter().filter(|l| l.len() > 1 && **l != "<ok").count();
+    assert_eq!(lines, before.iter().filter(|l| **l == "<ok").count(), "{before:?}");
+    assert_eq!(bench.log[at + 1].1, "<ok");
+    assert!(bench.log[at + 2].0 >= bench.log[at + 1].0 + 50, "{:?}", &bench.log[at..]);
+}
+
+#[test]
+fn one_dangerous_line_at_a_time() {
+    let mut program = String::from("G21 G90 G94 G54 G17\nG0 Z5\n");
+    for i in 0..40 {
+        program.push_str(&format!("G0 X{i}\nG1 Z-1 F600\nG1 X{i}.5\nG1 X{i}.6\nG1 X{i}.7\nG0 Z5\n"));
+    }
+    let mut bench = Bench::plain(&program);
+    let there = Cable::new(vec![8], vec![1000]);
+    (bench.there, bench.back) = (there.clone(), there);
+    assert_eq!(bench.finish().ending, Ending::Done);
+    assert_eq!(bench.most_dangerous, 1);
+    assert!(bench.most_in_flight > 20, "{}", bench.most_in_flight);
+}
+
+#[test]
+fn stalls_have_names() {
+    // Door and hold.
+    let mut bench = Bench::plain(SQUARE);
+    bench.ticks(1500);
+    bench.command(Command::Door);
+    bench.until("Stall(Some(Door))");
+    bench.ticks(1000);
+    bench.command(Command::Resume);
+    bench.until("Resumed");
+    bench.command(Command::Hold);
+    bench.until("Stall(Some(Hold))");
+    bench.ticks(500);
+    bench.command(Command::Resume);
+    assert_eq!(bench.finish().ending, Ending::Done);
+    // The program's own pause.
+    let mut bench = Bench::plain("G0X1\nM0 (turn it)\nG0X2\n");
+    bench.until("Stall(Some(Prompt))");
+    bench.until("the program pauses at line 2 (turn it)");
+    // A dwell.
+    let mut bench = Bench::plain("G0X1\nG4P6\nG0X2\n");
+    bench.until("Stall(Some(Waiting { line: 2 }))");
+    assert_eq!(bench.finish().ending, Ending::Done);
+    assert!(bench.heard("Stall(None)"));
+    // Slow motion, planner full.
+    let slow: String = (1..40).map(|i| format!("G1 X{i} F20\n")).collect();
+    let mut bench = Bench::plain(&slow);
+    bench.until("Stall(Some(PlannerFull");
+    // The journal.
+    let mut bench = Bench::plain(SQUARE);
+    bench.session.allow_up_to(3);
+    bench.until("Stall(Some(Permission))");
+    assert_eq!(bench.session.next_index(), 3);
+    bench.session.allow_up_to(usize::MAX);
+    assert_eq!(bench.finish().ending, Ending::Done);
+    // Restart.
+    let mut bench = Bench::plain(SQUARE);
+    bench.ticks(1500);
+    bench.controller.power_cycle();
+    bench.until("Stall(Some(ControllerReset))");
+    // Dead link.
+    let mut bench = Bench::plain(SQUARE);
+    bench.ticks(1500);
+    bench.back.delays = vec![100_000_000];
+    bench.until("Stall(Some(LinkDead))");
+}
+
+/// What a stock controller says of itself, for sessions whose far side is played by hand.
+fn stock() -> Known {
+    let mut bench = Bench::plain("G0X1\n");
+    bench.until("Started");
+    bench.session.controller().clone()
+}
+
+/// A session with lines under way and a far side that says what it is told to, once per 100 ms.
+fn told(says: &str, seconds: u64) -> (Session, Vec<Progress>) {
+    let job = Job::vet("G1X1F100\nX2\nX3\nX4\nX5\nX6\n").unwrap();
+    let mut session = Session::known(job, stock(), SessionOptions::default(), Duration::ZERO);
+    let mut news = Vec::new();
+    for ms in (0..seconds * 1000).step_by(100) {
+        let now = Duration::from_millis(ms);
+        session.tick(now);
+        session.written(session.output().len());
+        session.receive(says.as_bytes(), now);
+        news.extend(session.news());
+    }
+    (session, news)
+}
+
+#[test]
+fn a_machine_that_says_run_and_does_not_is_stuck() {
+    let (session, news) = told("<Run|MPos:0.000,0.000,0.000|FS:0,0|WCO:0.000,0.000,0.000>\r\n", 20);
+    let stuck = Progress::Stall(Some(Stall::Stuck { line: 1 }));
+    assert!(news.contains(&stuck), "{news:?}");
+    assert_eq!(session.outcome(), None);
+}
+
+#[test]
+fn states_nobody_asked_for_end_the_job() {
+    let (session, _) = told("<Alarm|MPos:0.000,0.000,0.000|FS:0,0|WCO:0.000,0.000,0.000>\r\n", 8);
+    let text = session.outcome().unwrap().ending.to_string();
+    assert!(text.starts_with("the controller says Alarm, which the job did not bring about"), "{text}");
+}
+
+#[test]
+fn a_wall_of_errors_ends_with_the_first() {
+    let (session, news) = told("error:22\r\nerror:20\r\nerror:20\r\n<Hold:0|MPos:0.000,0.000,0.000|FS:0,0>\r\n", 8);
+    let ending = session.outcome().unwrap().ending;
+    assert!(matches!(ending, Ending::Refused { line: 1, code: 22, .. }), "{ending:?}");
+    let refused = news.iter().filter(|n| matches!(n, Progress::Refused { .. })).count();
+    assert_eq!(refused, 6);
+}
+
+#[test]
+fn damaged_replies_end_the_job_and_news_of_forks_do_not() {
+    for (says, damaged) in [
+        ("[MSG:INFO: hello]\r\n[AXS:3:XYZ]\r\n>G20:ok\r\n<Run|MPos:0,0,0|FS:0,0>\r\n", false),
+        ("ALRM:1\r\n<Hold:0|MPos:0,0,0>\r\n", true),
+        ("<Idle|MPos:0\r\n<Hold:0|MPos:0,0,0>\r\n", true),
+        ("ok\r\nok\r\nok\r\nok\r\nok\r\nok\r\nok\r\nok\r\nok\r\n<Hold:0|MPos:0,0,0>\r\n", true),
+    ] {
+        let (session, news) = told(says, 8);
+        let ending = session.outcome().map(|o| o.ending);
+        assert_eq!(matches!(ending, Some(Ending::Damaged { .. })), damaged, "{says}: {ending:?} {news:?}");
+    }
+}
+
+#[test]
+fn a_broken_port_names_the_lines_that_may_still_run() {
+    let mut bench = Bench::plain(&spiral(400, 0.2));
+    bench.ticks(3000);
+    bench.session.broken("the port is gone".into(), Duration::from_millis(3000));
+    let outcome = bench.session.outcome().unwrap();
+    assert_eq!(outcome.ending, Ending::Broken("the port is gone".into()));
+    let (first, last) = outcome.maybe.unwrap();
+    assert!(first > 10 && last >= first && last - first < 10, "{outcome:?}");
+    let news = bench.session.news();
+    assert!(news.contains(&Progress::Unplugged { source: Some((first, last)) }), "{news:?}");
+    assert!(!outcome.position_kept);
+}
+
+#[test]
+fn a_program_that_changes_while_it_is_sent_stops_the_job() {
+    let text = Arc::new(Mutex::new(spiral(2000, 0.2)));
+    let shared = text.clone();
+    let source = move || {
+        let bytes = shared.lock().unwrap().clone().into_bytes();
+        Ok(Box::new(std::io::Cursor::new(bytes)) as Box<dyn JobReader>)
+    };
+    let job = vet(Arc::new(source), VetOptions::default(), &mut |_, _| {}).unwrap();
+    let changed = text.lock().unwrap().replacen("M5", "M3", 1);
+    *text.lock().unwrap() = changed;
+    let cable = Cable::new(vec![1], vec![1000]);
+    let mut bench = Bench::new(job, Controller::new(memory()), cable.clone(), cable);
+    let outcome = bench.finish();
+    assert!(
+        outcome.ending.to_string().starts_with("the program changed after it was checked"),
+        "{outcome:?}"
+    );
+    assert!(bench.times("M3").is_empty());
+    at_rest_for_good(&mut bench, &outcome);
+}
+
+#[test]
+fn overrides_go_one_step_at_a_time_and_are_confirmed() {
+    let mut bench = Bench::plain("G21 G90\nG1 X100 F600\n");
+    bench.ticks(1500);
+    for _ in 0..5 {
+        bench.command(Command::Feed(Step::Plus10));
+    }
+    bench.command(Command::Feed(Step::Minus1));
+    bench.ticks(1500);
+    let feed = bench.news.iter().rev().find_map(|n| match n {
+        Progress::Report(r) => r.overrides.map(|o| o.feed),
+        _ => None,
+    });
+    assert_eq!(feed, Some(149));
+    let steps = bench.times("\u{91}");
+    assert_eq!(steps.len(), 5);
+    assert!(steps.windows(2).all(|w| w[1] > w[0]), "{steps:?}");
+    let confirmed = bench
+        .news
+        .iter()
+        .filter(|n| matches!(n, Progress::Adjusted { confirmed: true, .. }))
+        .count();
+    assert_eq!(confirmed, 6);
+}
+
+#[test]
+fn a_stopped_spindle_comes_up_to_speed_before_the_cut_goes_on() {
+    let mut bench = Bench::plain("G21 G90\nM3 S1000\nG1 X60 F600\n");
+    bench.ticks(2500);
+    bench.command(Command::SpindleStop);
+    assert!(bench.session.news().iter().any(|n| format!("{n:?}").contains("only in a hold")));
+    bench.command(Command::Hold);
+    bench.ticks(1000);
+    bench.command(Command::SpindleStop);
+    bench.ticks(500);
+    bench.command(Command::Resume);
+    let outcome = bench.finish();
+    assert_eq!(outcome.ending, Ending::Done);
+    let (toggles, resumes) = (bench.times("\u{9e}"), bench.times("~"));
+    assert_eq!((toggles.len(), resumes.len()), (2, 1), "{:?}", bench.log);
+    assert!(resumes[0] >= toggles[1] + 4000);
+}
+
+#[test]
+fn a_tool_change_waits_at_standstill_and_restores_the_modes() {
+    let program = "G21 G90 G54 G94 G17\nM3 S1000\nG1 X5 F600\nT2 M6 (the small one)\nM3 S900\nG1 X7\nM30\n";
+    let mut bench = Bench::plain(program);
+    bench.until("change to tool 2 (the small one)");
+    assert!(bench.session.tool_change().is_some());
+    let place = bench.controller.position();
+    assert!((place.x - 5.0).abs() < 1e-9);
+    let sent = bench.times("M3S900");
+    bench.ticks(5000);
+    assert!(sent.is_empty() && bench.times("M3S900").is_empty());
+    // The operator has been elsewhere and left other modes behind.
+    bench.controller.feed(b"G91 G20\n");
+    bench.ticks(200);
+    assert!(bench.session.outcome().is_none(), "{:?}", bench.session.outcome());
+    bench.command(Command::Resume);
+    let outcome = bench.finish();
+    assert_eq!(outcome.ending, Ending::Done, "{:?}", bench.log);
+    assert_eq!(outcome.position, Some([7.0, 0.0, 0.0]));
+}
+
+#[test]
+fn clocks_that_jump_are_told() {
+    let mut bench = Bench::plain(SQUARE);
+    bench.ticks(1500);
+    let now = Duration::from_millis(bench.now);
+    bench.session.wall_clock(Duration::from_secs(1000), now);
+    bench.session.wall_clock(Duration::from_secs(1001), now + Duration::from_secs(1));
+    bench.session.news();
+    bench.session.wall_clock(Duration::from_secs(8201), now + Duration::from_secs(1));
+    assert_eq!(bench.session.news(), [Progress::ClockJump { by_s: 7200.0 }]);
+    // A host that was away for long does not take its own silence for the controller's.
+    bench.now += 20_000;
+    assert_eq!(bench.finish().ending, Ending::Done);
+    assert!(bench.heard("this computer did not look at the port for 20.0 s"));
+}
+
+/// 115,200 baud, 8N1: 11.52 bytes a millisecond each way; a USB bridge's delay.
+fn over_a_real_cable(program: &str, fast: bool) -> (f64, f64, f64) {
+    let mut cable = Cable::new(vec![2], vec![1]);
+    cable.rate = Some(11.52);
+    let mut m = memory();
+    if fast {
+        for axis in 0..3 {
+            m.set(110 + axis, 12_000.0);
+            m.set(120 + axis, 3000.0);
+        }
+    }
+    let job = Job::vet(program).unwrap();
+    let settings = m.planner_settings(15);
+    let planned = program_time(&job.events().unwrap(), &settings).total.0;
+    let bytes = job.bytes as f64;
+    let mut bench = Bench::new(job, Controller::new(m), cable.clone(), cable);
+    let outcome = bench.finish();
+    assert_eq!(outcome.ending, Ending::Done);
+    assert_eq!(bench.controller.bytes_lost(), 0);
+    let first = bench.log.iter().find(|l| l.1.starts_with("G21")).unwrap().0;
+    let last = bench.log.iter().rfind(|l| l.1.starts_with("M30")).unwrap().0;
+    let busy = bytes / 11.52 / (last - first) as f64;
+    (busy, bench.controller.elapsed(), planned)
+}
+
+/// The law of throughput: on a finishing pass of 0.2 mm segments the cable is 95 % busy, or the planner is never empty (the job
+/// takes no longer than the planner alone would).
+#[test]
+fn short_segments_keep_the_cable_or_the_planner_busy() {
+    let mut links = String::from("G21 G90 G54 G94 G17\nM3 S1000\nG0 Z5\n");
+    for i in 0..60 {
+        let y = f64::from(i) * 0.3;
+        links.push_str(&format!("G0 X0 Y{y:.3}\nG1 Z-1 F300\nF1500\n"));
+        for k in 1..=20 {
+            links.push_str(&format!("G1 X{:.3} Z{:.3}\n", f64::from(k) * 0.2, -1.0 + 0.05 * f64::from(k % 3)));
+        }
+        links.push_str("G0 Z5\n");
+    }
+    links.push_str("M30\n");
+    let quick = spiral(3000, 0.2).replace("F1500", "F9000");
+    for (name, program, fast) in [
+        ("spiral at 1500 mm/min", spiral(1500, 0.2), false),
+        ("spiral at 9000 mm/min", quick, true),
+        ("60 passes with links", links, false),
+    ] {
+        let (busy, took, planned) = over_a_real_cable(&program, fast);
+        eprintln!("{name}: cable busy {:.1} %, took {took:.2} s, planner alone {planned:.2} s ({:+.2} %)", busy * 100.0, (took / planned - 1.0) * 100.0);
+        assert!(busy >= 0.95 || took <= planned * 1.005, "{name}");
+    }
 }
 
 /// After the end: nothing moves any more, whatever the controller had received.

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use morsemill::controller::{Controller, Memory};
-use morsemill::gcode::{self, Dialect, Event, FeedMode, MotionKind, State, interpret_line};
+use morsemill::gcode::{self, Dialect, Event, FeedMode, MotionMode, State, interpret_line};
 use morsemill::geom::{Point, Vector};
 use morsemill::kinematics::chords;
 use morsemill::link::journal::{
@@ -69,7 +69,12 @@ fn program(seed: u64, lines: usize) -> String {
     let mut wanted: Vec<String> = head.iter().rev().map(|s| s.to_string()).collect();
     let mut count = 0;
     while count < lines + head.len() {
-        let line = wanted.pop().unwrap_or_else(|| random_line(&mut dice, &state));
+        // Every other program is of many short moves, as passes over freeform parts are.
+        let short = seed % 2 == 1 && dice.roll(25) > 0;
+        let line = wanted.pop().unwrap_or_else(|| match short {
+            true => short_move(&mut dice, &state),
+            false => random_line(&mut dice, &state),
+        });
         let mut trial = state.clone();
         let mut events = Vec::new();
         if interpret_line(&mut trial, &line, count + 1, &mut events).is_err() {
@@ -86,6 +91,18 @@ fn program(seed: u64, lines: usize) -> String {
         count += 1;
     }
     text
+}
+
+fn short_move(dice: &mut Dice, state: &State) -> String {
+    let unit = state.units.mm();
+    let base = match state.distance {
+        gcode::Distance::Incremental => Point::origin(),
+        gcode::Distance::Absolute => state.position,
+    };
+    let mut by = || dice.roll(200) as f64 / 1000.0 - 0.1;
+    let (x, y) = ((base.x + 0.2 + by()) / unit, (base.y + by()) / unit);
+    let f = if state.feed_mode == FeedMode::InverseTime { "F900" } else { "" };
+    format!("G1X{x:.4}Y{y:.4}{f}")
 }
 
 fn random_line(dice: &mut Dice, state: &State) -> String {
@@ -202,6 +219,7 @@ fn begin(text: &str) -> Begin {
         planner_blocks: 15,
         bytes_per_s: 11_520.0,
         boot: Some("boot".into()),
+        skips_slashed: false,
         resumed: None,
     }
 }
@@ -451,8 +469,8 @@ impl Bench {
         panic!("it never stands");
     }
 
-    fn end(&mut self, kept: bool) {
-        let end = Record::End { how: "broken".into(), done: false, position_kept: kept };
+    fn end(&mut self, kept: bool, at_rest: bool) {
+        let end = Record::End { how: "broken".into(), done: false, position_kept: kept, at_rest };
         self.writer.note(end, self.now());
         let bytes = self.writer.take();
         self.journal.extend(bytes);
@@ -477,14 +495,14 @@ impl Bench {
                 }
                 self.controller.feed(b"\x18");
                 self.turn(1.0);
-                self.end(true);
+                self.end(true, true);
                 self.journal.clone()
             }
             Break::Reset => {
                 self.controller.feed(b"\x18");
                 self.turn(1.0);
                 self.writer.note(Record::Reset, self.now());
-                self.end(false);
+                self.end(false, true);
                 self.journal.clone()
             }
             Break::Cable => {
@@ -492,7 +510,7 @@ impl Bench {
                 let arrived = dice.roll(whole.len() + 1);
                 self.controller.feed(&whole[..arrived]);
                 self.run_dry();
-                self.end(true);
+                self.end(true, false);
                 self.journal.clone()
             }
             Break::Kill => {
@@ -518,7 +536,7 @@ fn taken(history: &History) -> &Begin {
 }
 
 /// The laws of the zones, and what the resumed program makes of the rest.
-fn break_and_resume(seed: u64, how: Break) -> Result<bool, TestCaseError> {
+fn break_and_resume(seed: u64, how: Break, fullest: &mut usize) -> Result<bool, TestCaseError> {
     let mut dice = Dice(seed);
     let text = program(seed, 30 + dice.roll(80));
     let (ways, blocks) = ways(&text, reset_state(START));
@@ -549,6 +567,11 @@ fn break_and_resume(seed: u64, how: Break) -> Result<bool, TestCaseError> {
     let where_it_is = format!("{z:?} of {way:.4} mm, {how:?}, answered {} sent {} allowed {}", history.acknowledged, history.sent, history.allowed);
     prop_assert!(ways[z.first - 1] <= way + 1e-5, "a line before the zone was not carried out: {where_it_is}");
     prop_assert!(way <= ways[z.last] + 1e-5, "a line behind the zone was begun: {where_it_is}");
+    // How much the controller really held: the bound must be needed.
+    let line = (1..ways.len()).find(|l| ways[*l] > way + 1e-5).unwrap_or(ways.len());
+    if line < history.acknowledged {
+        *fullest = (*fullest).max(blocks[line + 1..=history.acknowledged].iter().sum());
+    }
     // The zone is no larger than what the controller holds.
     let queued: usize = blocks[(z.first + 1).min(history.acknowledged + 1)..=history.acknowledged].iter().sum();
     prop_assert!(queued < HELD + 8, "{queued} blocks: {where_it_is}");
@@ -598,32 +621,344 @@ fn break_and_resume(seed: u64, how: Break) -> Result<bool, TestCaseError> {
 
 fn campaign(how: Break, seeds: std::ops::Range<u64>) {
     let count = seeds.end - seeds.start;
-    let mut resumed = 0;
+    let (mut resumed, mut fullest) = (0, 0);
     for seed in seeds {
-        match break_and_resume(seed, how) {
+        match break_and_resume(seed, how, &mut fullest) {
             Ok(done) => resumed += u64::from(done),
             Err(e) => panic!("seed {seed}, {how:?}: {e}"),
         }
     }
     assert!(resumed * 10 >= count * 8, "only {resumed} of {count} were resumed");
+    // Jobs that run dry have nothing queued.
+    if matches!(how, Break::Stop | Break::Reset) {
+        assert!(fullest >= 15, "the planner was never full: {fullest}");
+    }
 }
 
 #[test]
 fn a_stopped_job_goes_on_where_it_was() {
-    campaign(Break::Stop, 0..40);
+    campaign(Break::Stop, 0..24);
 }
 
 #[test]
 fn a_job_whose_controller_was_reset_goes_on_on_the_operators_word() {
-    campaign(Break::Reset, 1000..1040);
+    campaign(Break::Reset, 1000..1024);
 }
 
 #[test]
 fn a_job_whose_cable_was_pulled_goes_on() {
-    campaign(Break::Cable, 2000..2040);
+    campaign(Break::Cable, 2000..2024);
 }
 
 #[test]
 fn a_job_whose_sender_was_killed_goes_on() {
-    campaign(Break::Kill, 3000..3040);
+    campaign(Break::Kill, 3000..3024);
+}
+
+/// A history of a job of which so much was answered and sent, ended in order.
+fn broken_at(text: &str, acknowledged: usize, sent: usize) -> History {
+    history_of(text, &[
+        Record::Allow { line: sent },
+        Record::Sent { line: sent },
+        Record::Acknowledged { line: acknowledged },
+        Record::End { how: "stopped".into(), done: false, position_kept: true, at_rest: true },
+    ])
+}
+
+fn history_of(text: &str, records: &[Record]) -> History {
+    let mut w = Writer::new();
+    w.note(Record::Begin(Box::new(begin(text))), Duration::ZERO);
+    for r in records {
+        w.note(r.clone(), Duration::ZERO);
+    }
+    read(&w.take()[..]).unwrap()
+}
+
+fn here(place: [f64; 3]) -> Now {
+    Now {
+        machine: "test".into(),
+        state: "Idle".into(),
+        position: Some(place),
+        offsets: offsets(),
+        settings: settings(),
+        homed: None,
+        dialect: "grbl".into(),
+        boot: Some("boot".into()),
+    }
+}
+
+fn operator() -> ResumeOptions {
+    ResumeOptions { trust: Trust::Operator, ..ResumeOptions::default() }
+}
+
+/// Runs text from a state, and gives the state before each line.
+fn states(text: &str, start: State) -> Vec<State> {
+    let mut state = start;
+    let mut all = vec![state.clone()];
+    for (i, line) in text.lines().enumerate() {
+        let mut events = Vec::new();
+        interpret_line(&mut state, &significant(line), i + 1, &mut events).unwrap();
+        all.push(state.clone());
+    }
+    all
+}
+
+/// Everything that the machine remembers is as in the straight run, but T, which GRBL forgets with each line, and a motion mode that only an
+/// arc could set.
+fn same_modes(a: &State, b: &State) -> Result<(), String> {
+    let mut b = b.clone();
+    let near = |x: f64, y: f64| (x - y).abs() < 3e-5 + 1e-9 * x.abs();
+    let all_near = (0..3).all(|i| near(a.position[i], b.position[i]) && near(a.g92[i], b.g92[i]))
+        && near(a.tlo, b.tlo)
+        && (near(a.feed.0, b.feed.0) || a.feed_mode == FeedMode::InverseTime);
+    (b.position, b.g92, b.g92_kept, b.tlo, b.tool, b.feed) = (a.position, a.g92, a.g92_kept, a.tlo, a.tool, a.feed);
+    b.rapid_feed = a.rapid_feed;
+    if matches!(a.motion, MotionMode::ArcClockwise | MotionMode::ArcCounterclockwise | MotionMode::None) {
+        b.motion = a.motion;
+    }
+    match all_near && *a == b {
+        true => Ok(()),
+        false => Err(format!("straight {a:?}\nresumed {b:?}")),
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, cases: 200, ..ProptestConfig::default() })]
+
+    /// Wherever a job breaks: the way in leaves the state of the straight run, and each later line does the same.
+    #[test]
+    fn the_state_at_the_entry_is_that_of_the_straight_run(seed: u64, at in 0.0..1.0f64, ahead in 0usize..8, overlap in 0usize..4) {
+        let text = program(seed, 60);
+        let lines = text.lines().count();
+        let acknowledged = 7 + ((lines - 7) as f64 * at) as usize;
+        let history = broken_at(&text, acknowledged, (acknowledged + ahead).min(lines));
+        let options = ResumeOptions { overlap: [Overlap::Mm(0.0), Overlap::Mm(5.0), Overlap::Lines(3), Overlap::Mm(1e9)][overlap], ..operator() };
+        let place = [-50.0, -70.0, -30.0];
+        let plan = match resume(&text, &fingerprint(text.as_bytes()), &history, &here(place), &options) {
+            Ok(plan) => plan,
+            Err(e) => return Err(TestCaseError::fail(e.to_string())),
+        };
+        let straight = states(&text, reset_state(START));
+        let rest = plan.program(&text);
+        let resumed = states(&rest, reset_state(place));
+        let map = plan.map();
+        prop_assert_eq!(rest.lines().count(), map.head + lines - map.entry + 1);
+        prop_assert!(plan.entry.line <= plan.zones.unwrap().first);
+        let same = same_modes(&straight[map.entry - 1], &resumed[map.head]);
+        prop_assert!(same.is_ok(), "{}", same.unwrap_err());
+        for line in map.entry..=lines {
+            let same = same_modes(&straight[line], &resumed[map.head + line - map.entry + 1]);
+            prop_assert!(same.is_ok(), "line {line}: {}", same.unwrap_err());
+        }
+        // The way in: up first, over at a safe height, down at feed and last.
+        let highest = straight[4..].iter().map(|s| s.machine_position().z).fold(f64::MIN, f64::max);
+        let mut lifted = false;
+        for (before, after) in resumed.iter().zip(&resumed[1..=map.head]) {
+            let (a, b) = (before.machine_position(), after.machine_position());
+            let over = (a.xy() - b.xy()).norm() > 1e-9;
+            prop_assert!(!over || lifted && a.z >= highest - 1e-9 && a.z == b.z, "{a} {b}");
+            lifted |= before.motion == MotionMode::Rapid && b.z >= highest.max(place[2]) - 1e-9;
+        }
+        prop_assert!((plan.way.safe_z - resumed[..=map.head].iter().map(|s| s.machine_position().z).fold(f64::MIN, f64::max)).abs() < 1e-9);
+    }
+
+    /// Without a journal: where the program alone tells the place, any line can be begun at, from wherever the machine stands.
+    #[test]
+    fn any_line_can_be_begun_at(seed: u64, at in 0.0..1.0f64) {
+        let text = program(seed, 60);
+        let lines = text.lines().count();
+        let line = 7 + ((lines - 7) as f64 * at) as usize;
+        let place = [-50.0, -70.0, -30.0];
+        let options = ResumeOptions { overlap: Overlap::Nothing, ..ResumeOptions::default() };
+        let plan = match from_line(&text, line, false, &here(place), &options) {
+            Ok(plan) => plan,
+            Err(Refusal::NoEntry { .. } | Refusal::StartUnknown { .. }) => return Ok(()),
+            Err(e) => return Err(TestCaseError::fail(e.to_string())),
+        };
+        prop_assert!(plan.entry.line >= line && plan.zones.is_none());
+        let straight = states(&text, reset_state(place));
+        let resumed = states(&plan.program(&text), reset_state(place));
+        let same = same_modes(&straight[plan.entry.line - 1], &resumed[plan.head.len()]);
+        prop_assert!(same.is_ok(), "{}", same.unwrap_err());
+    }
+}
+
+const SQUARE: &str = "G21 G90\nM3 S8000\nG0 Z10\nG0 X0 Y0\nG1 Z-1 F200\nG1 X20 F800\nY20\nX0\nY0\nG0 Z10\nM5\nM30\n";
+
+fn refusal(text: &str, history: &History, now: &Now, options: &ResumeOptions) -> String {
+    match resume(text, &fingerprint(text.as_bytes()), history, now, options) {
+        Ok(plan) => panic!("not refused:\n{plan}"),
+        Err(e) => e.to_string(),
+    }
+}
+
+/// On the path of SQUARE: machine coordinates of work X10 Y0 Z-1.
+const ON_PATH: [f64; 3] = [-90.0, -90.0, -61.0];
+
+#[test]
+fn a_plan_is_shown_in_words() {
+    let history = broken_at(SQUARE, 7, 8);
+    let plan = resume(SQUARE, &fingerprint(SQUARE.as_bytes()), &history, &here(ON_PATH), &ResumeOptions::default()).unwrap();
+    // The job began at work X5 Y5 Z40, the highest it ever stood is its Z10; no feed was set by then.
+    assert_eq!(plan.head.join(" "), "G17G21G90G94 M5 M9 G49 G92.1 G54 G53G0Z-20 G0X5Y5 S8000 M3 G4P5 G1Z40F60 G93 G94 G0");
+    let words = plan.to_string();
+    for part in [
+        "surely cut       1 to 2",
+        "maybe cut        3 to 8",
+        "not sent         9 to 12",
+        "the machine stands on the path of these lines",
+        "entry:             line 3 `G0 Z10`",
+        "lift to          Z-20.000",
+        "spindle          M3 8000 rpm, 5 s to come to speed",
+        "coolant          off",
+    ] {
+        assert!(words.contains(part), "{part}:\n{words}");
+    }
+}
+
+#[test]
+fn what_is_not_trustworthy_is_refused_and_says_what_to_do() {
+    let shown = ResumeOptions::default();
+    let history = broken_at(SQUARE, 9, 10);
+    let now = here(ON_PATH);
+    assert!(resume(SQUARE, &fingerprint(SQUARE.as_bytes()), &history, &now, &shown).is_ok());
+
+    // The program.
+    let other = SQUARE.replace("X20", "X21");
+    let e = refusal(&other, &history, &now, &shown);
+    assert!(e.contains("not the one that was sent (as many lines, but other bytes)") && e.contains("--discard-journal"), "{e}");
+    let e = refusal(&format!("{SQUARE}G0\n"), &history, &now, &operator());
+    assert!(e.contains("13 lines now, 12 then"), "{e}");
+
+    // The job.
+    let done = [Record::Sent { line: 12 }, Record::End { how: "done".into(), done: true, position_kept: true, at_rest: true }];
+    assert!(refusal(SQUARE, &history_of(SQUARE, &done), &now, &shown).contains("nothing to resume"));
+    assert!(refusal(SQUARE, &history_of(SQUARE, &[Record::End { how: "silent".into(), done: false, position_kept: true, at_rest: true }]), &now, &shown).contains("nothing of the program was sent"));
+    assert!(refusal(SQUARE, &History::default(), &now, &shown).contains("does not even tell"));
+
+    // The machine.
+    let with = |change: &dyn Fn(&mut Now)| {
+        let mut n = now.clone();
+        change(&mut n);
+        n
+    };
+    let e = refusal(SQUARE, &history, &with(&|n| n.machine = "other".into()), &operator());
+    assert!(e.contains("of machine `test`, and this is `other`"), "{e}");
+    let e = refusal(SQUARE, &history, &with(&|n| n.state = "Alarm".into()), &operator());
+    assert!(e.contains("state Alarm: home it (`morsemill home`)"), "{e}");
+    let e = refusal(SQUARE, &history, &with(&|n| n.state = "Hold:0".into()), &operator());
+    assert!(e.contains("state Hold:0: end its hold"), "{e}");
+    let e = refusal(SQUARE, &history, &with(&|n| n.position = None), &operator());
+    assert!(e.contains("does not tell where"), "{e}");
+    let e = refusal(SQUARE, &history, &with(&|n| n.settings.iter_mut().for_each(|s| if s.0 == 100 { s.1 = 80.0 })), &operator());
+    assert!(e.contains("$100 was 250 when the job began and is 80 now") && e.contains("set $100=250 again"), "{e}");
+
+    // The position: switched off and on, it believes to stand at zero.
+    let e = refusal(SQUARE, &history, &here([0.0; 3]), &shown);
+    assert!(e.contains("mm from any place where this job can have stopped") && e.contains("morsemill home"), "{e}");
+    let plan = resume(SQUARE, &fingerprint(SQUARE.as_bytes()), &history, &here([0.0, 0.0, -3.0]), &operator()).unwrap();
+    assert_eq!(plan.evidence, Some(Evidence::Operator));
+    // Never lower than it stands.
+    assert_eq!(plan.way.safe_z, -3.0);
+
+    // Offsets.
+    let moved = with(&|n| n.offsets.g5x[0][2] += 1.5);
+    let e = refusal(SQUARE, &history, &moved, &shown);
+    assert!(e.starts_with("G54 was X-100.000 Y-90.000 Z-60.000 when the job broke and is X-100.000 Y-90.000 Z-58.500 now"), "{e}");
+    let plan = resume(SQUARE, &fingerprint(SQUARE.as_bytes()), &history, &moved, &operator()).unwrap();
+    assert!(plan.to_string().contains("you answer for it: the zero of G54 was moved by X0.000 Y0.000 Z1.500"), "{plan}");
+    assert_eq!(plan.way.safe_z, -20.0 + 1.5);
+
+    // Alarms, resets, refused lines, damage.
+    let end = Record::End { how: "alarm".into(), done: false, position_kept: true, at_rest: true };
+    let after = |record: Record| history_of(SQUARE, &[Record::Sent { line: 10 }, Record::Acknowledged { line: 9 }, record, end.clone()]);
+    for (record, said) in [
+        (Record::Alarm { code: 1 }, "ALARM:1 struck"),
+        (Record::Alarm { code: 3 }, "ALARM:3 struck"),
+        (Record::Alarm { code: 8 }, "ALARM:8 struck"),
+        (Record::Reset, "the controller restarted by itself"),
+        (Record::Error { line: 7, code: 33 }, "refused line 7 with error:33"),
+    ] {
+        let history = after(record.clone());
+        let e = refusal(SQUARE, &history, &now, &shown);
+        assert!(e.starts_with(said) || e.contains(said), "{e}");
+        assert!(e.contains("--trust-position"), "{e}");
+        let plan = resume(SQUARE, &fingerprint(SQUARE.as_bytes()), &history, &now, &operator()).unwrap();
+        assert!(plan.notes[0].starts_with("you answer for it: "), "{plan}");
+        // Homed, on a machine that homes: good again, but for a part cut wrong.
+        let mut homed = here([-1.0, -1.0, -1.0]);
+        homed.settings.iter_mut().for_each(|s| match s.0 {
+            22 => s.1 = 1.0,
+            _ => {}
+        });
+        let again = resume(SQUARE, &fingerprint(SQUARE.as_bytes()), &history, &homed, &shown);
+        match record {
+            Record::Error { .. } => assert!(again.is_err()),
+            _ => assert_eq!(again.unwrap().evidence, Some(Evidence::Homed)),
+        }
+        let mut away = homed.clone();
+        away.position = Some(ON_PATH);
+        if !matches!(record, Record::Error { .. }) {
+            assert!(refusal(SQUARE, &history, &away, &shown).contains("Home the machine (`morsemill home`), leave it there"));
+        }
+    }
+    // Alarms that stop in order are none.
+    assert!(resume(SQUARE, &fingerprint(SQUARE.as_bytes()), &after(Record::Alarm { code: 2 }), &now, &shown).is_ok());
+
+    // Heights.
+    let low = ResumeOptions { safe_z: Some(-51.0), ..shown };
+    assert!(refusal(SQUARE, &history, &now, &low).contains("--safe-z -51.000 is below the highest place"));
+    let high = ResumeOptions { safe_z: Some(2.0), ..shown };
+    let soft = with(&|n| n.settings.iter_mut().for_each(|s| if s.0 == 20 { s.1 = 1.0 }));
+    assert!(refusal(SQUARE, &history, &soft, &high).starts_with("Z 2.000 mm (machine coordinates) lies outside of the travel from -200.000 to 0.000"));
+}
+
+#[test]
+fn a_start_by_line_number_needs_a_program_that_tells_the_place() {
+    let options = ResumeOptions { overlap: Overlap::Nothing, ..ResumeOptions::default() };
+    let from = |text: &str, line| from_line(text, line, false, &here(ON_PATH), &options);
+    assert_eq!(from(SQUARE, 8).unwrap().entry.line, 8);
+    assert_eq!(from(SQUARE, 0).unwrap_err().to_string(), "there is no line 0 in this program of 12 lines");
+    assert!(from(SQUARE, 13).is_err());
+    // The lines before never say where Y is.
+    let text = "G21 G90\nG0 Z10\nG1 X5 F100\nX10\nX20\n";
+    assert!(from(text, 4).unwrap_err().to_string().contains("depends on where the machine stood"));
+    assert!(from("G0 X0 Y0 Z0\nG38.2 Z-5 F50\nG0 Z5\nX5\n", 4).unwrap_err().to_string().starts_with("line 2 probes"));
+    assert!(from("G0 X0 Y0 Z5\nM5\nM30\n", 2).unwrap_err().to_string().contains("what is left needs no cutting"));
+}
+
+#[test]
+fn a_crash_of_the_host_widens_the_zone_by_what_the_disk_may_have_missed() {
+    let mut text = String::from("G21 G90\nG0 X0 Y0 Z1\nG1 Z0 F500\n");
+    for i in 1..20000 {
+        text.push_str(&format!("X{}\n", i % 50));
+    }
+    let crashed = history_of(&text, &[Record::Allow { line: 130 }, Record::Sent { line: 110 }, Record::Acknowledged { line: 100 }]);
+    let same = zones(&text, taken(&crashed), &crashed, Some("boot")).unwrap();
+    assert_eq!((same.first, same.last), (101 - HELD, 130));
+    let rebooted = zones(&text, taken(&crashed), &crashed, Some("another boot")).unwrap();
+    assert_eq!(rebooted.first, 101 - HELD);
+    // Two seconds at 11,520 bytes a second and two buffers, in lines of 4 bytes or less.
+    let bytes: usize = text.lines().take(rebooted.last).skip(130).map(|l| l.len() + 1).sum();
+    assert!((23_040 + 256..23_040 + 256 + 5).contains(&bytes), "{bytes}");
+    assert_eq!(zones(&text, taken(&crashed), &crashed, None).unwrap(), rebooted);
+    // Ended in order: what was sent.
+    let ended = broken_at(&text, 100, 110);
+    assert_eq!(zones(&text, taken(&ended), &ended, None).unwrap().last, 110);
+}
+
+#[test]
+fn a_job_can_break_again_while_it_is_resumed() {
+    let text = SQUARE;
+    let sha = fingerprint(text.as_bytes());
+    let plan = resume(text, &sha, &broken_at(text, 9, 10), &here(ON_PATH), &ResumeOptions::default()).unwrap();
+    let again = Begin { start: plan.start.clone(), resumed: Some(plan.resumed()), ..begin(text) };
+    let mut w = Writer::new();
+    w.note(Record::Begin(Box::new(again)), Duration::ZERO);
+    // Killed on the way in: nothing of the program was sent yet, and all that was in doubt is in doubt still.
+    let killed = read(&w.take()[..]).unwrap();
+    let z = zones(text, taken(&killed), &killed, Some("boot")).unwrap();
+    assert_eq!((z.first, z.last), (plan.entry.line, 10));
+    let second = resume(text, &sha, &killed, &here(ON_PATH), &operator()).unwrap();
+    assert!(second.entry.line <= plan.entry.line);
 }

@@ -1,5 +1,7 @@
 //! `morsemill send`: vet a program, then stream it to a controller, real or simulated.
 
+pub mod resume;
+
 use super::check::read_program;
 use super::output::{say, write_json};
 use crate::controller::{Controller, Pace, Pty};

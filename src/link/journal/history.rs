@@ -66,6 +66,8 @@ pub struct History {
     pub end: Option<String>,
     /// Every line was carried out.
     pub done: bool,
+    /// The sender saw the machine at rest before it ended.
+    pub at_rest: bool,
     /// Why the job was being stopped.
     pub stopping: Option<String>,
     /// Time of the last record, s since the job began.
@@ -128,7 +130,9 @@ impl History {
                 how,
                 done,
                 position_kept,
+                at_rest,
             } => {
+                self.at_rest = *at_rest;
                 self.end = Some(how.clone());
                 self.done = *done;
                 if !position_kept {

@@ -27,6 +27,8 @@
 mod allowance;
 mod file;
 mod history;
+mod keeper;
+mod kept;
 mod line;
 mod reader;
 mod record;
@@ -35,6 +37,8 @@ mod writer;
 pub use allowance::Allowance;
 pub use file::{JournalFile, SYNC_GAP};
 pub use history::{Doubt, History};
+pub use keeper::{Keeper, Turn};
+pub use kept::{Keep, drive_kept};
 pub use reader::{Damage, read};
 pub use record::{
     Begin, FORMAT, Offsets, Record, Resumed, Start, Stamped, ToolChange, fingerprint,

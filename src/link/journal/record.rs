@@ -70,6 +70,8 @@ pub struct Begin {
     pub bytes_per_s: f64,
     /// Something that is different after each start of this computer, where it can be had.
     pub boot: Option<String>,
+    /// Lines that begin with `/` were left out; otherwise they were sent, as GRBL takes them.
+    pub skips_slashed: bool,
     /// The job takes up an earlier one.
     pub resumed: Option<Resumed>,
 }
@@ -81,8 +83,8 @@ pub struct ToolChange {
     pub line: usize,
     /// Tool number, if the program names one.
     pub tool: Option<u32>,
-    /// Tool length offset that was set for it, mm; `None` when it was left as it was.
-    pub length: Option<f64>,
+    /// The offsets behind it, where the new tool was measured; `None` when they were left as they were.
+    pub offsets: Option<Offsets>,
 }
 
 /// One thing that happened.
@@ -160,6 +162,8 @@ pub enum Record {
         done: bool,
         /// False when steps may have been lost or nobody can tell.
         position_kept: bool,
+        /// The machine was seen at rest; otherwise it ran on until it had done all it was sent.
+        at_rest: bool,
     },
 }
 
@@ -182,7 +186,7 @@ impl Record {
                 work_offset,
                 ..
             } => all(machine) && work_offset.as_ref().is_none_or(|o| all(o)),
-            Record::ToolChange(change) => change.length.is_none_or(f64::is_finite),
+            Record::ToolChange(change) => change.offsets.as_ref().is_none_or(offsets),
             _ => true,
         }
     }

@@ -50,11 +50,11 @@ fn some_record() -> impl Strategy<Value = Record> {
             rapid: 50,
             spindle
         }),
-        (line, proptest::option::of(-9.0..9.0f64)).prop_map(|(line, length)| {
+        (line, proptest::option::of(-9.0..9.0f64)).prop_map(|(line, tlo)| {
             Record::ToolChange(ToolChange {
                 line,
                 tool: Some(2),
-                length,
+                offsets: tlo.map(|tlo| Offsets { tlo, ..Offsets::default() }),
             })
         }),
         (0u16..30).prop_map(|code| Record::Alarm { code }),
@@ -87,7 +87,7 @@ fn a_record_is_a_line_that_people_can_read() {
     let first = lines.next().unwrap();
     assert!(first.starts_with("0 ") && first.contains(r#""event":"begin","format":1,"program":"a b \"c\" ä.nc""#), "{first}");
     let second = lines.next().unwrap();
-    assert_eq!(second, r#"1 f6a1f3c1 {"t":1.5,"event":"alarm","code":1}"#);
+    assert_eq!(second, r#"1 e542e753 {"t":1.5,"event":"alarm","code":1}"#);
     assert_eq!(lines.next(), None);
     assert_eq!(history(text.as_bytes()).begin, match begin() {
         Record::Begin(b) => Some(*b),
@@ -110,6 +110,7 @@ fn a_journal_adds_up() {
             how: "ALARM:1".into(),
             done: false,
             position_kept: false,
+            at_rest: true,
         },
     ];
     let (bytes, _) = written(&records);

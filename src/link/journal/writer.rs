@@ -179,6 +179,7 @@ mod tests {
                 how: "done".into(),
                 done: true,
                 position_kept: true,
+                at_rest: true,
             },
             ms(6000),
         );

@@ -1,7 +1,7 @@
 //! Is this the same program on the same machine, and does the machine stand where its controller believes it stands?
 
 use super::refusal::Refusal;
-use super::walk::Walk;
+use super::walk::Program;
 use super::zones::Zones;
 use crate::gcode::State;
 use crate::geom::{Point, Vector, nearest_on_segment};
@@ -112,7 +112,7 @@ pub enum Trust {
 /// Why the position is trusted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Evidence {
-    /// The machine stands on the path of the zone that may have been cut, and nothing happened to make it lose steps.
+    /// The machine stands where the job can have stopped, and nothing happened to make it lose steps.
     OnPath,
     /// It has just been homed.
     Homed,
@@ -232,7 +232,9 @@ pub(super) fn position(
     }
 }
 
-/// How far a machine position is from the path of the middle zone, mm.
+/// How far a machine position is from where the job can have stopped, mm: from the path of the middle zone when the sender saw it come to
+/// rest; otherwise from the ends of those lines that can have been the last to arrive, since the machine did all it had. (An alarm that
+/// nobody saw stops it between two ends.)
 fn from_path(
     text: &str,
     begin: &Begin,
@@ -240,12 +242,19 @@ fn from_path(
     zones: &Zones,
     place: &Point,
 ) -> Result<f64, Refusal> {
-    let mut walk = Walk::new(text, begin.start_state(), &history.tool_changes);
+    let mut walk = Program::of(text, history, begin).walk();
     let mut nearest = f64::INFINITY;
     while let Some(step) = walk.step() {
         let line = step.map_err(Refusal::Unreadable)?;
         if line > zones.last {
             break;
+        }
+        if !history.at_rest {
+            if line >= history.acknowledged {
+                let end = walk.state().machine_position();
+                nearest = nearest.min((end - place).norm());
+            }
+            continue;
         }
         // Where the line before the zone ends is a place to stop at too; a motion's start covers it.
         if line < zones.first {
@@ -283,7 +292,7 @@ pub(super) fn offsets(
     now: &Now,
     trust: Trust,
 ) -> Result<[Vector; 6], Refusal> {
-    let mut walk = Walk::new(text, begin.start_state(), &history.tool_changes);
+    let mut walk = Program::of(text, history, begin).walk();
     let mut before = Offsets::stored(walk.state());
     while let Some(step) = walk.step() {
         let line = step.map_err(Refusal::Unreadable)?;

@@ -1,9 +1,8 @@
 //! Where to enter: the start of a motion, some way before the zone that may have been cut.
 
 use super::refusal::Refusal;
-use super::walk::{Walk, sent};
-use crate::gcode::{Dialect, Event, Motion, MotionKind, MotionMode, State, interpret_line};
-use crate::link::journal::ToolChange;
+use super::walk::{Program, Walk};
+use crate::gcode::{Event, Motion, MotionKind, MotionMode, State, interpret_line};
 use std::collections::VecDeque;
 
 /// How far back to go over ground that is cut already.
@@ -25,7 +24,7 @@ const MOST_BACK: usize = 100_000;
 pub struct Entry {
     /// First line of the program that is sent again.
     pub line: usize,
-    /// That line as it is sent: with its motion word, should it rely on the one before it.
+    /// That line.
     pub text: String,
     /// What the machine remembers before it, in the straight run.
     pub state: State,
@@ -53,13 +52,11 @@ struct Candidate {
 /// # Errors
 /// The program does not read; it probes before the entry; nothing moves from there on.
 pub fn entry(
-    text: &str,
-    start: State,
-    changes: &[ToolChange],
+    program: &Program,
     first: usize,
     overlap: Overlap,
 ) -> Result<Entry, Refusal> {
-    let mut walk = Walk::new(text, start, changes);
+    let mut walk = program.walk();
     let mut back: VecDeque<Candidate> = VecDeque::new();
     let (mut path, mut moves, mut slowest) = (0.0, 0, None::<f64>);
     let far_enough = |c: &Candidate, path: f64, moves: usize| match overlap {
@@ -86,11 +83,11 @@ pub fn entry(
         if !moves_at_all(&walk) {
             continue;
         }
-        if let Some(text) = as_entry(&before, &walk) {
+        if can_enter(&before, &walk) {
             back.push_back(Candidate {
                 entry: Entry {
                     line,
-                    text,
+                    text: walk.text().trim().to_string(),
                     state: before,
                     overlap_mm: 0.0,
                     tool: walk.tool(),
@@ -151,41 +148,27 @@ pub(super) fn length(m: &Motion) -> f64 {
     (radius * arc.sweep).hypot(m.to[n] - m.from[n])
 }
 
-/// The line as an entry: the same motion from the same place whatever the motion mode was before it. `None` where that cannot be.
-fn as_entry(before: &State, walk: &Walk) -> Option<String> {
+/// True for a line that can be the first: it makes the same motion from the same place behind the way in, which leaves the modes of `before`
+/// but for arcs. G2 and G3 cannot be set without cutting one, so a line that relies on them is none.
+fn can_enter(before: &State, walk: &Walk) -> bool {
     // To go where the machine's own coordinates or a stored place lead is no way into a cut.
     if motions(walk.events()).any(|m| m.machine_coordinates) {
-        return None;
+        return false;
     }
-    let (text, changes_tool) = sent(walk.text());
     // A change of tool belongs before the way in; a line that also changes offsets does not begin where the state before it says.
-    if changes_tool || walk.events().iter().any(|e| matches!(e, Event::Sync { .. })) {
-        return None;
+    if walk.changed_tool() || walk.events().iter().any(|e| matches!(e, Event::Sync { .. })) {
+        return false;
     }
-    let same = |text: &str| {
-        let mut state = State {
-            motion: MotionMode::None,
-            ..before.clone()
-        };
-        let mut events = Vec::new();
-        interpret_line(&mut state, text, walk.events().first()?.line(), &mut events).ok()?;
-        (events == walk.events() && state == *walk.state()).then(|| text.to_string())
+    if matches!(before.motion, MotionMode::Rapid | MotionMode::Linear) {
+        return true;
+    }
+    let mut state = State {
+        motion: MotionMode::None,
+        ..before.clone()
     };
-    let word = match before.motion {
-        MotionMode::Rapid => "G0",
-        MotionMode::Linear => "G1",
-        MotionMode::ArcClockwise => "G2",
-        MotionMode::ArcCounterclockwise => "G3",
-        _ => return same(&text),
-    };
-    let longest = match before.dialect {
-        Dialect::GrblHal => 255,
-        Dialect::FluidNc => 254,
-        _ => crate::wire::LINE_CHARS,
-    };
-    same(&text).or_else(|| {
-        let with_word = format!("{word}{text}");
-        (with_word.len() <= longest).then_some(())?;
-        same(&with_word)
-    })
+    let mut events = Vec::new();
+    let line = walk.events().first().map_or(0, Event::line);
+    interpret_line(&mut state, walk.content(), line, &mut events).is_ok()
+        && events == walk.events()
+        && state == *walk.state()
 }

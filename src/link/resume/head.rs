@@ -1,7 +1,7 @@
 //! The way in as lines of a program: lift, go over, spindle, coolant, plunge, modes. The drawing stands in the head of [`super`].
 
 use super::entry::Entry;
-use crate::gcode::{Distance, FeedMode, Plane, State, Units};
+use crate::gcode::{Distance, FeedMode, MotionMode, Plane, State, Units};
 use crate::geom::Vector;
 
 /// How the way in is gone.
@@ -15,18 +15,18 @@ pub struct HeadOptions {
     pub spin_up_s: f64,
 }
 
-/// The lines that bring a machine that was just reset, with the stored offsets `g5x`, to the state of `entry`: all modes but that of
-/// motion, which the entry's line says itself.
+/// The lines that bring a machine that was just reset to the state of `entry`: all modes but G2 and G3,
+/// which the entry's line says itself.
 ///
 /// Each step's reason:
 /// - all modes are set before anything moves, so startup lines and leftovers of the controller do not matter;
 /// - the lift is in machine coordinates, which no offset can bend, and comes before any other motion;
 /// - G92 and tool length are gone after a reset; they are set again over the entry, where the place was commanded and is known exactly;
 /// - the plunge is at feed: nobody can tell what stands below.
-pub fn head(entry: &Entry, g5x: &[Vector; 6], options: &HeadOptions) -> Vec<String> {
+pub fn head(entry: &Entry, options: &HeadOptions) -> Vec<String> {
     let s = &entry.state;
     let system = s.work_offset.min(5);
-    let origin = g5x.get(system).copied().unwrap_or_default();
+    let origin = s.g5x.get(system).copied().unwrap_or_default();
     let mut lines = vec![
         "G17G21G90G94".to_string(),
         "M5".to_string(),
@@ -102,6 +102,9 @@ fn modes(s: &State) -> Vec<String> {
     }
     if !last.is_empty() {
         lines.push(last);
+    }
+    if s.motion == MotionMode::Rapid {
+        lines.push("G0".to_string());
     }
     lines
 }

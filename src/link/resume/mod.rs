@@ -50,5 +50,5 @@ pub use head::HeadOptions;
 pub use plan::{LineMap, Plan, ResumeOptions, from_line, resume};
 pub use prove::{Proof, prove};
 pub use refusal::Refusal;
-pub use walk::Walk;
+pub use walk::{Program, Walk};
 pub use zones::{Zones, zones};

@@ -6,10 +6,11 @@ use super::head::{HeadOptions, head, round_up};
 use super::prove::{Proof, prove};
 use super::refusal::Refusal;
 use super::survey::highest;
+use super::walk::Program;
 use super::zones::{Zones, zones};
 use crate::gcode::{Dialect, State};
 use crate::geom::Vector;
-use crate::link::journal::{Begin, History, Resumed, Start, ToolChange};
+use crate::link::journal::{Begin, History, Resumed, Start};
 
 /// How to resume.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -92,9 +93,7 @@ impl Plan {
             out.push_str(line);
             out.push('\n');
         }
-        out.push_str(&self.entry.text);
-        out.push('\n');
-        for line in crate::gcode::lines(text).skip(self.entry.line) {
+        for line in crate::gcode::lines(text).skip(self.entry.line.saturating_sub(1)) {
             out.push_str(line);
             out.push('\n');
         }
@@ -161,18 +160,16 @@ pub fn resume(
         notes.push(changed);
     }
     let start = anew(&begin.start, now, &moved);
-    let job = Job {
-        text,
-        start: &start,
-        changes: &history.tool_changes,
-        now,
-        place,
+    let program = Program {
+        start: start.state(dialect(now)),
+        ..Program::of(text, history, begin)
     };
-    let plan = job.plan(zones.first, options)?;
+    let plan = plan(&program, zones.first, now, &place, options)?;
     Ok(Plan {
         zones: Some(zones),
         evidence: Some(evidence),
         notes: [notes, plan.notes].concat(),
+        start,
         ..plan
     })
 }
@@ -184,10 +181,17 @@ pub fn resume(
 pub fn from_line(
     text: &str,
     line: usize,
+    skips_slashed: bool,
     now: &Now,
     options: &ResumeOptions,
 ) -> Result<Plan, Refusal> {
-    let lines = crate::gcode::lines(text.strip_prefix('\u{feff}').unwrap_or(text)).count();
+    let program = Program {
+        text,
+        start: State::new(dialect(now)),
+        changes: &[],
+        skips_slashed,
+    };
+    let lines = program.lines();
     if line == 0 || line > lines {
         return Err(Refusal::NoSuchLine { line, lines });
     }
@@ -201,21 +205,17 @@ pub fn from_line(
         },
         modes: String::new(),
     };
-    let job = Job {
-        text,
-        start: &start,
-        changes: &[],
-        now,
-        place,
+    let from = |start: &Start| Program {
+        start: start.state(dialect(now)),
+        ..program.clone()
     };
-    let plan = job.plan(line, options)?;
+    let plan = plan(&from(&start), line, now, &place, options)?;
     // The same from another place: if the entry moves, the program alone does not tell it.
     let elsewhere = Start {
         position: place.map(|c| c - 61.25),
         ..start.clone()
     };
-    let dialect = job.dialect();
-    let other = entry(text, elsewhere.state(dialect), &[], line, options.overlap)?;
+    let other = entry(&from(&elsewhere), line, options.overlap)?;
     let moved = (other.state.position - plan.entry.state.position)
         .norm()
         .max((other.state.g92 - plan.entry.state.g92).norm());
@@ -225,7 +225,7 @@ pub fn from_line(
             line: plan.entry.line,
         });
     }
-    Ok(plan)
+    Ok(Plan { start, ..plan })
 }
 
 /// The start of the straight run in the machine's coordinates of today.
@@ -259,102 +259,84 @@ fn different(begin: &Begin, now: &Now) -> Option<String> {
     (!changed.is_empty()).then(|| format!("settings changed since: {}", changed.join(", ")))
 }
 
-struct Job<'a> {
-    text: &'a str,
-    start: &'a Start,
-    changes: &'a [ToolChange],
-    now: &'a Now,
-    place: [f64; 3],
+fn dialect(now: &Now) -> Dialect {
+    Dialect::from_name(&now.dialect).unwrap_or(Dialect::Grbl)
 }
 
-impl Job<'_> {
-    fn dialect(&self) -> Dialect {
-        Dialect::from_name(&self.now.dialect).unwrap_or(Dialect::Grbl)
+/// Entry, way in and proof; `machine` is where the machine stands.
+fn plan(
+    program: &Program,
+    first: usize,
+    now: &Now,
+    machine: &[f64; 3],
+    options: &ResumeOptions,
+) -> Result<Plan, Refusal> {
+    let mut entry = entry(program, first, options.overlap)?;
+    // Differences within the rounding of reports: the controller's own figure is the better one.
+    entry.state.g5x = now.offsets.g5x.map(Vector::from);
+    let over = entry.state.machine_position();
+    let needed = highest(program)?.unwrap_or(over.z);
+    let needed = round_up(needed.max(over.z));
+    let safe = options.safe_z.unwrap_or(needed);
+    if !(safe >= needed - 1e-9) {
+        return Err(Refusal::SafeTooLow {
+            given: safe,
+            needed,
+        });
     }
-
-    fn state(&self) -> State {
-        self.start.state(self.dialect())
+    // Never down where the tool stands: what is there is not known.
+    let safe_z = round_up(safe.max(machine[2]));
+    within_travel(now, machine, &[over.x, over.y, safe_z])?;
+    let mut notes = Vec::new();
+    let plunge = options.plunge.filter(|p| *p > 0.0).or(entry.slowest);
+    let way = HeadOptions {
+        safe_z,
+        plunge: plunge.unwrap_or(CAREFUL),
+        spin_up_s: options.spin_up_s.clamp(0.0, 600.0),
+    };
+    if entry.state.spindle == 0 {
+        notes.push("the spindle is off at the entry, as the program has it there".to_string());
     }
+    if let Some(tool) = entry.tool {
+        notes.push(format!(
+            "the program has tool {tool} in the spindle at the entry: check that it is"
+        ));
+    }
+    let head = head(&entry, &way);
+    let proof = prove(program, &entry, &head, &now.offsets, machine)?;
+    Ok(Plan {
+        zones: None,
+        place: [over.x, over.y, over.z],
+        entry,
+        head,
+        way,
+        evidence: None,
+        notes,
+        start: Start::default(),
+        proof,
+    })
+}
 
-    fn plan(&self, first: usize, options: &ResumeOptions) -> Result<Plan, Refusal> {
-        let entry = entry(self.text, self.state(), self.changes, first, options.overlap)?;
-        let over = entry.state.machine_position();
-        let needed = highest(self.text, self.state(), self.changes)?.unwrap_or(over.z);
-        let needed = round_up(needed.max(over.z));
-        let safe = options.safe_z.unwrap_or(needed);
-        if safe < needed - 1e-9 {
-            return Err(Refusal::SafeTooLow {
-                given: safe,
-                needed,
+/// With soft limits on, the way in must not raise an alarm.
+fn within_travel(now: &Now, machine: &[f64; 3], point: &[f64; 3]) -> Result<(), Refusal> {
+    if now.setting(20).unwrap_or(0.0) == 0.0 {
+        return Ok(());
+    }
+    let travel = [130, 131, 132].map(|n| now.setting(n).unwrap_or(f64::INFINITY));
+    let outside = |p: f64, travel: f64, by: f64| p > by || p < -travel - by;
+    // Travel lies below machine zero, but for builds that keep zero where homing found it: the session's vetting knows those.
+    if machine.iter().zip(travel).any(|(p, t)| outside(*p, t, 1e-3)) {
+        return Ok(());
+    }
+    for ((axis, value), travel) in ['X', 'Y', 'Z'].into_iter().zip(*point).zip(travel) {
+        if outside(value, travel, 1e-6) {
+            return Err(Refusal::OutsideTravel {
+                axis,
+                value,
+                low: -travel,
+                high: 0.0,
             });
         }
-        // Never down where the tool stands: what is there is not known.
-        let safe_z = round_up(safe.max(self.place[2]));
-        self.within_travel(&[over.x, over.y, safe_z])?;
-        let mut notes = Vec::new();
-        let plunge = options.plunge.filter(|p| *p > 0.0).or(entry.slowest);
-        let way = HeadOptions {
-            safe_z,
-            plunge: plunge.unwrap_or(CAREFUL),
-            spin_up_s: options.spin_up_s.clamp(0.0, 600.0),
-        };
-        if entry.state.spindle == 0 {
-            notes.push("the spindle is off at the entry, as the program has it there".to_string());
-        }
-        if let Some(tool) = entry.tool {
-            notes.push(format!("the program has tool {tool} in the spindle at the entry: check that it is"));
-        }
-        let g5x = self.now.offsets.g5x.map(Vector::from);
-        let mut entry = entry;
-        if entry.state.g5x.iter().zip(&g5x).any(|(a, b)| a != b) {
-            // Differences within the rounding of reports: the controller's own figure is the better one.
-            entry.state.g5x = g5x;
-        }
-        let head = head(&entry, &g5x, &way);
-        let proof = prove(
-            self.text,
-            self.state(),
-            self.changes,
-            &entry,
-            &head,
-            self.dialect(),
-            &self.now.offsets,
-            &self.place,
-        )?;
-        Ok(Plan {
-            zones: None,
-            place: [over.x, over.y, over.z],
-            entry,
-            head,
-            way,
-            evidence: None,
-            notes,
-            start: self.start.clone(),
-            proof,
-        })
     }
-
-    /// With soft limits on, the way in must not raise an alarm.
-    fn within_travel(&self, point: &[f64; 3]) -> Result<(), Refusal> {
-        if self.now.setting(20).unwrap_or(0.0) == 0.0 {
-            return Ok(());
-        }
-        let travel = |a: usize| self.now.setting(130 + a as u16).unwrap_or(f64::INFINITY);
-        // Travel lies below machine zero, but for builds that keep zero where homing found it: those stand above it now and then.
-        if (0..3).any(|a| self.place[a] > 1e-3 || self.place[a] < -travel(a) - 1e-3) {
-            return Ok(());
-        }
-        for (a, axis) in ['X', 'Y', 'Z'].into_iter().enumerate() {
-            let low = -travel(a);
-            if point[a] > 1e-6 || point[a] < low - 1e-6 {
-                return Err(Refusal::OutsideTravel {
-                    axis,
-                    value: point[a],
-                    low,
-                    high: 0.0,
-                });
-            }
-        }
-        Ok(())
-    }
+    Ok(())
 }

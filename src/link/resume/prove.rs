@@ -3,9 +3,9 @@
 
 use super::entry::{Entry, length};
 use super::refusal::Refusal;
-use super::walk::{Walk, fresh, sent};
-use crate::gcode::{Dialect, Event, FeedMode, Motion, MotionKind, State, interpret_line};
-use crate::link::journal::{Offsets, ToolChange};
+use super::walk::{Program, fresh, measured};
+use crate::gcode::{Event, FeedMode, Motion, MotionKind, MotionMode, State, interpret_line};
+use crate::link::journal::Offsets;
 
 /// Rounding of the words of the way in, mm: they have five decimals.
 const ROUNDING: f64 = 3e-5;
@@ -21,21 +21,19 @@ pub struct Proof {
     pub deviation_mm: f64,
 }
 
-/// Compares the program that begins with `head` and goes on with `entry` against the straight run from `start`.
+/// Compares the program that begins with `head` and goes on with `entry` against the straight run. The controller has these stored
+/// `offsets` and stands at `machine`.
 ///
 /// # Errors
 /// The first difference.
-#[expect(clippy::too_many_arguments, reason = "two programs and two states to begin with")]
 pub fn prove(
-    text: &str,
-    start: State,
-    changes: &[ToolChange],
+    program: &Program,
     entry: &Entry,
     head: &[String],
-    dialect: Dialect,
     offsets: &Offsets,
     machine: &[f64; 3],
 ) -> Result<Proof, Refusal> {
+    let changes = program.changes;
     let unproven = |line: usize, what: &str| Refusal::Unproven {
         line,
         what: what.to_string(),
@@ -46,7 +44,7 @@ pub fn prove(
         tlo: 0.0,
         ..*offsets
     };
-    let mut resumed = fresh(dialect, &reset, machine);
+    let mut resumed = fresh(program.start.dialect, &reset, machine);
     let mut events = Vec::new();
     for line in head {
         if let Err(e) = interpret_line(&mut resumed, line, 0, &mut events) {
@@ -54,28 +52,31 @@ pub fn prove(
         }
     }
     same_state(&entry.state, &resumed).map_err(|what| unproven(entry.line, what))?;
+    if matches!(entry.state.motion, MotionMode::Rapid | MotionMode::Linear)
+        && resumed.motion != entry.state.motion
+    {
+        return Err(unproven(entry.line, "motion mode"));
+    }
 
-    let mut straight = Walk::new(text, start, changes);
+    let mut straight = program.walk();
     let mut proof = Proof::default();
     while let Some(step) = straight.step() {
         let line = step.map_err(Refusal::Unreadable)?;
         if line < entry.line {
             continue;
         }
-        let content = match line == entry.line {
-            true => entry.text.as_str().into(),
-            false => sent(straight.text()).0,
-        };
         events.clear();
-        if !content.is_empty()
-            && let Err(e) = interpret_line(&mut resumed, &content, line, &mut events)
+        if !straight.content().is_empty()
+            && let Err(e) = interpret_line(&mut resumed, straight.content(), line, &mut events)
         {
             return Err(unproven(line, &e.to_string()));
         }
-        if let Some(length) = length_set(changes, line) {
-            let here = resumed.machine_position();
-            resumed.tlo = length;
-            resumed.set_machine_position(&here);
+        if straight.changed_tool() {
+            resumed.spindle = 0;
+        }
+        let change = changes.iter().rev().find(|c| c.line == line);
+        if let Some(offsets) = change.and_then(|c| c.offsets) {
+            measured(&mut resumed, &offsets);
         }
         if events.len() != straight.events().len() {
             return Err(unproven(line, "it does more or less"));
@@ -97,12 +98,7 @@ pub fn prove(
     Ok(proof)
 }
 
-fn length_set(changes: &[ToolChange], line: usize) -> Option<f64> {
-    let change = changes.iter().rev().find(|c| c.line == line)?;
-    change.length
-}
-
-/// The states before the entry agree in all but the motion mode, which the entry's line says itself.
+/// The states before the entry agree in all but the motion mode and T, which GRBL forgets with each line.
 fn same_state(a: &State, b: &State) -> Result<(), &'static str> {
     let near = |a: f64, b: f64| (a - b).abs() <= ROUNDING + 1e-9 * a.abs();
     let rules = [

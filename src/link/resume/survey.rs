@@ -1,16 +1,15 @@
 //! How high a program goes.
 
 use super::refusal::Refusal;
-use super::walk::Walk;
-use crate::gcode::{Plane, State};
-use crate::link::journal::ToolChange;
+use super::walk::Program;
+use crate::gcode::Plane;
 
 /// The highest place that a program goes to, machine coordinates, mm; `None` when it does not move.
 ///
 /// # Errors
 /// The program does not read.
-pub fn highest(text: &str, start: State, changes: &[ToolChange]) -> Result<Option<f64>, Refusal> {
-    let mut walk = Walk::new(text, start, changes);
+pub fn highest(program: &Program) -> Result<Option<f64>, Refusal> {
+    let mut walk = program.walk();
     let mut highest = f64::NEG_INFINITY;
     while let Some(step) = walk.step() {
         step.map_err(Refusal::Unreadable)?;

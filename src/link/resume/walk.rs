@@ -2,39 +2,71 @@
 
 use crate::gcode::{self, Dialect, Event, InterpretError, Motion, State, interpret_line};
 use crate::geom::{Point, Vector};
-use crate::link::journal::{Begin, Offsets, Start, ToolChange};
+use crate::link::journal::{Begin, History, Offsets, Start, ToolChange};
 use crate::units::Rpm;
-use std::borrow::Cow;
 
-/// Walks through a program from its first line. Constant memory beside the text.
-pub struct Walk<'a> {
-    rest: Box<dyn Iterator<Item = &'a str> + 'a>,
-    changes: &'a [ToolChange],
-    state: State,
-    events: Vec<Event>,
-    text: &'a str,
-    line: usize,
-    tool: Option<u32>,
-    changed_tool: bool,
+/// A program as one job sends it.
+#[derive(Clone, Debug)]
+pub struct Program<'a> {
+    /// Its text.
+    pub text: &'a str,
+    /// What the machine remembers before line 1.
+    pub start: State,
+    /// Tool changes that were made: one that changed offsets did so behind its line.
+    pub changes: &'a [ToolChange],
+    /// Lines that begin with `/` are left out.
+    pub skips_slashed: bool,
 }
 
-impl<'a> Walk<'a> {
-    /// Begins at line 1 with what the machine remembers then. `changes` are the tool changes of the job: one that set a tool length did so
-    /// behind its line.
-    pub fn new(text: &'a str, start: State, changes: &'a [ToolChange]) -> Walk<'a> {
-        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+impl<'a> Program<'a> {
+    /// The program of a journal.
+    pub fn of(text: &'a str, history: &'a History, begin: &Begin) -> Program<'a> {
+        Program {
+            text,
+            start: begin.start_state(),
+            changes: &history.tool_changes,
+            skips_slashed: begin.skips_slashed,
+        }
+    }
+
+    /// From line 1.
+    pub fn walk(&self) -> Walk<'a> {
+        let text = self.text.strip_prefix('\u{feff}').unwrap_or(self.text);
         Walk {
             rest: Box::new(gcode::lines(text)),
-            changes,
-            state: start,
+            changes: self.changes,
+            skips_slashed: self.skips_slashed,
+            state: self.start.clone(),
             events: Vec::new(),
             text: "",
+            content: String::new(),
             line: 0,
             tool: None,
             changed_tool: false,
         }
     }
 
+    /// How many lines it has.
+    pub fn lines(&self) -> usize {
+        gcode::lines(self.text.strip_prefix('\u{feff}').unwrap_or(self.text)).count()
+    }
+}
+
+/// Walks through a program from its first line. Constant memory beside the text.
+pub struct Walk<'a> {
+    rest: Box<dyn Iterator<Item = &'a str> + 'a>,
+    changes: &'a [ToolChange],
+    skips_slashed: bool,
+    state: State,
+    events: Vec<Event>,
+    text: &'a str,
+    content: String,
+    line: usize,
+    tool: Option<u32>,
+    changed_tool: bool,
+}
+
+impl<'a> Walk<'a> {
     /// Reads the next line; its number, from 1.
     ///
     /// # Errors
@@ -44,22 +76,25 @@ impl<'a> Walk<'a> {
         self.line += 1;
         self.events.clear();
         self.changed_tool = false;
-        let (content, change) = sent(self.text);
-        if content.is_empty() {
+        let Sent { content, change } = sent(self.text, self.skips_slashed);
+        self.content = content;
+        if self.content.is_empty() && !change {
             return Some(Ok(self.line));
         }
-        if let Err(e) = interpret_line(&mut self.state, &content, self.line, &mut self.events) {
+        if let Err(e) = interpret_line(&mut self.state, &self.content, self.line, &mut self.events) {
             return Some(Err(e));
         }
         if self.state.tool != 0 {
             self.tool = Some(self.state.tool);
         }
         self.changed_tool = change;
+        if change {
+            // The session stops the spindle for it.
+            self.state.spindle = 0;
+        }
         let set = |c: &&ToolChange| c.line == self.line;
-        if let Some(length) = self.changes.iter().rev().find(set).and_then(|c| c.length) {
-            let here = self.state.machine_position();
-            self.state.tlo = length;
-            self.state.set_machine_position(&here);
+        if let Some(offsets) = self.changes.iter().rev().find(set).and_then(|c| c.offsets) {
+            measured(&mut self.state, &offsets);
         }
         Some(Ok(self.line))
     }
@@ -72,6 +107,11 @@ impl<'a> Walk<'a> {
     /// What the line read last told the machine.
     pub fn events(&self) -> &[Event] {
         &self.events
+    }
+
+    /// What of the line read last is sent.
+    pub fn content(&self) -> &str {
+        &self.content
     }
 
     /// The line read last, as it stands in the program.
@@ -105,9 +145,15 @@ impl<'a> Walk<'a> {
     }
 }
 
-/// What of a line goes to the controller: nothing of comments, `%` and blanks, and no M6, which the session keeps for itself. True when
-/// there was an M6.
-pub(super) fn sent(text: &str) -> (Cow<'_, str>, bool) {
+/// What of a line goes to the controller.
+pub(super) struct Sent {
+    /// Nothing of comments, `%`, blanks, `$` lines, and no M6, which the session keeps for itself.
+    pub content: String,
+    /// There was an M6.
+    pub change: bool,
+}
+
+pub(super) fn sent(text: &str, skips_slashed: bool) -> Sent {
     let mut out = String::new();
     let mut parenthesis = false;
     for c in text.chars() {
@@ -120,15 +166,17 @@ pub(super) fn sent(text: &str) -> (Cow<'_, str>, bool) {
             c => out.push(c.to_ascii_uppercase()),
         }
     }
-    if out == "%" {
-        return (Cow::Borrowed(""), false);
+    // A `$` line sets what no mode knows of.
+    if out == "%" || out.starts_with('$') || (skips_slashed && out.starts_with('/')) {
+        out.clear();
     }
-    match tool_change(&out) {
-        Some((from, to)) => {
-            out.replace_range(from..to, "");
-            (Cow::Owned(out), true)
-        }
-        None => (Cow::Owned(out), false),
+    let change = tool_change(&out);
+    if let Some((from, to)) = change {
+        out.replace_range(from..to, "");
+    }
+    Sent {
+        content: out,
+        change: change.is_some(),
     }
 }
 
@@ -181,6 +229,15 @@ impl Start {
         }
         state
     }
+}
+
+/// The offsets behind a tool change. Nothing moves.
+pub(super) fn measured(state: &mut State, offsets: &Offsets) {
+    let here = state.machine_position();
+    state.g5x = offsets.g5x.map(Vector::from);
+    state.g92 = Vector::from(offsets.g92);
+    state.tlo = offsets.tlo;
+    state.set_machine_position(&here);
 }
 
 /// A machine with the modes of a reset, these offsets, standing there.

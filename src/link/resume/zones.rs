@@ -2,7 +2,7 @@
 
 use super::blocks::Counter;
 use super::refusal::Refusal;
-use super::walk::{Walk, sent};
+use super::walk::{Program, sent};
 use crate::gcode::Event;
 use crate::link::journal::{Begin, Damage, History, SYNC_GAP};
 use std::collections::VecDeque;
@@ -88,7 +88,7 @@ fn behind_the_gap(text: &str, begin: &Begin, last: usize) -> usize {
     let mut bytes = begin.bytes_per_s.max(0.0) * SYNC_GAP + 2.0 * begin.rx_bytes as f64;
     let mut end = last;
     for (index, line) in crate::gcode::lines(text).enumerate().skip(last) {
-        let significant = sent(line).0.len();
+        let significant = sent(line, begin.skips_slashed).content.len();
         if significant > 0 {
             bytes -= significant as f64 + 1.0;
         }
@@ -109,7 +109,7 @@ fn surely_cut(text: &str, begin: &Begin, history: &History) -> Result<usize, Ref
     // Lines of which blocks may be queued, oldest first, with their blocks.
     let mut queue: VecDeque<(usize, usize)> = VecDeque::new();
     let mut blocks = 0;
-    let mut walk = Walk::new(text, begin.start_state(), &history.tool_changes);
+    let mut walk = Program::of(text, history, begin).walk();
     while let Some(step) = walk.step() {
         let line = step.map_err(Refusal::Unreadable)?;
         if line > history.acknowledged {

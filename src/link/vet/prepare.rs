@@ -7,7 +7,7 @@ use super::refusal::{Caution, JobError, Refusal, Warning};
 use super::travel::Reach;
 use super::words::{Significant, column_of, is, significant, words};
 use crate::gcode::source::LONGEST;
-use crate::gcode::{self, Event, MotionKind, State};
+use crate::gcode::{self, Event, MotionKind, MotionMode, State};
 use crate::link::job::{JobLine, Standstill, Weight};
 use crate::link::progress::{Prompt, PromptKind};
 
@@ -221,8 +221,10 @@ impl Preparer {
         })?;
         for event in &self.events {
             if let Event::Motion(m) = event
-                && m.arc.is_some()
-                && m.kind == MotionKind::Feed
+                && matches!(
+                    self.state.motion,
+                    MotionMode::ArcClockwise | MotionMode::ArcCounterclockwise
+                )
                 && words(&s.text).any(|w| w.0 == 'R')
             {
                 let [a, b, _] = self.state.plane.axes();
