@@ -1,11 +1,12 @@
 //! What is fuzzed: for each format its seeds, its dictionary, and what must hold of whatever is read. A new format is one more entry.
 
-use super::{corpus, talk};
+use super::{corpus, journal, talk};
 use morsemill::cldata::{ReadOptions, Reader, Step};
-use morsemill::gcode::{self, Dialect, Event};
+use morsemill::gcode::{Dialect, Event, Interpreter, Reading, State};
 use morsemill::machine::Machine;
 use morsemill::part::{self, PlaceOptions, Units};
 use morsemill::post::Post;
+use std::io::Cursor;
 
 /// One thing that reads what people hand it.
 pub struct Target {
@@ -20,7 +21,7 @@ pub struct Target {
 }
 
 /// All of them.
-pub const TARGETS: [Target; 7] = [
+pub const TARGETS: [Target; 8] = [
     Target {
         name: "stl",
         seeds: corpus::stl,
@@ -62,6 +63,12 @@ pub const TARGETS: [Target; 7] = [
         seeds: talk::controllers,
         words: &talk::CONTROLLER_WORDS,
         read: talk::replies,
+    },
+    Target {
+        name: "journal",
+        seeds: journal::seeds,
+        words: &journal::WORDS,
+        read: journal::read_journal,
     },
 ];
 
@@ -108,21 +115,29 @@ fn read_program(bytes: &[u8]) -> Result<bool, String> {
         s.wrapping_mul(31).wrapping_add(usize::from(*b))
     });
     let dialect = Dialect::ALL[sum % Dialect::ALL.len()];
-    let program = match gcode::interpret(&String::from_utf8_lossy(bytes), dialect) {
-        Ok(program) => program,
-        Err(errors) => {
-            if errors.is_empty() {
-                return Err(format!("{}: refused without a reason", dialect.name()));
-            }
-            for e in &errors {
-                refused(&e.to_string())?;
-            }
-            return Ok(false);
-        }
+    let text = String::from_utf8_lossy(bytes);
+    // Loops without end are refused like any others: with less patience than a job gets, there is time for more cases.
+    let reading = Reading {
+        lines_again: 100_000,
+        ..Reading::default()
     };
-    for event in &program.events {
+    let from = Cursor::new(text.as_bytes());
+    let mut program = Interpreter::from_state(from, State::new(dialect), reading)
+        .map_err(|e| format!("a text in memory cannot be read: {e}"))?;
+    let mut events = Vec::new();
+    let errors = program.read_all(&mut events);
+    for e in &errors {
+        refused(&e.to_string())?;
+    }
+    if !errors.is_empty() {
+        return Ok(false);
+    }
+    let lines = program
+        .count_lines()
+        .map_err(|e| format!("a text in memory cannot be counted: {e}"))?;
+    for event in &events {
         if let Event::Motion(m) = event
-            && (m.from.iter().chain(m.to.iter()).any(|v| !v.is_finite()) || m.line > program.lines)
+            && (m.from.iter().chain(m.to.iter()).any(|v| !v.is_finite()) || m.line > lines)
         {
             return Err(format!(
                 "{}: a motion to nowhere was accepted: {m:?}",

@@ -12,6 +12,20 @@ pub enum Coolant {
     Flood,
     /// M7.
     Mist,
+    /// Flood and mist together, M7 and M8.
+    Both,
+}
+
+impl Coolant {
+    /// In words: what runs.
+    pub fn words(self) -> &'static str {
+        match self {
+            Coolant::Off => "no coolant",
+            Coolant::Flood => "flood",
+            Coolant::Mist => "mist",
+            Coolant::Both => "flood and mist together",
+        }
+    }
 }
 
 /// What a program needs beyond its moves.

@@ -153,6 +153,7 @@ impl<W: Write> Writer<W> {
                 Coolant::Off => "COOLNT/OFF",
                 Coolant::Flood => "COOLNT/FLOOD",
                 Coolant::Mist => "COOLNT/MIST",
+                Coolant::Both => "COOLNT/FLOOD,MIST",
             }),
             Step::Dwell(s) if s.0 < 0.0 => Err(ClWriteError::Number {
                 what: "a dwell",

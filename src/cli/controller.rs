@@ -216,10 +216,7 @@ fn serve(args: &ControllerArgs, out: &mut dyn Write, stop: &AtomicBool) -> Resul
         Serving::Pty(_) => "open that path as a serial device",
         Serving::Tcp(_) => "connect to that address",
     };
-    say(&format!(
-        "GRBL 1.1h, {}: {how}; Ctrl-C ends",
-        machine.title
-    ));
+    say(&format!("GRBL 1.1h, {}: {how}; Ctrl-C ends", machine.title));
     let mut listener = Listener {
         args,
         bench,
@@ -433,8 +430,6 @@ pub(super) fn apply_settings(file: Option<&Path>, machine: &mut Machine) -> Resu
             machine.name
         )));
     }
-    read_settings(file)
-        .map_err(Failure::Failed)?
-        .apply(machine);
+    read_settings(file).map_err(Failure::Failed)?.apply(machine);
     Ok(())
 }

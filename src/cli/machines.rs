@@ -3,7 +3,7 @@
 use super::Failure;
 use super::output::{say, to_stdout};
 use crate::machine::search::{self, Origin};
-use crate::machine::{BUILT_IN, DEFAULT_MACHINE, Machine, advice, data};
+use crate::machine::{BUILT_IN, DEFAULT_MACHINE, Machine, advice, data, proofread};
 use crate::post;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -236,8 +236,13 @@ fn check(file: &Path) -> Result<(Machine, Vec<String>), Failure> {
     let (name, _, text) = data::find("machine", "machines", &[], &named.to_string_lossy())
         .map_err(Failure::failed)?;
     let shown = file.display().to_string();
-    let machine = Machine::named(&name, &shown, &text)
-        .map_err(|e| Failure::Rejected(format!("{shown} cannot be used:\n{e}")))?;
+    let machine = Machine::named(&name, &shown, &text).map_err(|_| {
+        let good: Vec<&str> = BUILT_IN.iter().map(|(_, text)| *text).collect();
+        let read = |t: &str| Machine::named(&name, &shown, t).map(drop);
+        let all = proofread::complaints(&text, &good, read);
+        let lines: Vec<String> = all.iter().map(ToString::to_string).collect();
+        Failure::Rejected(format!("{shown} cannot be used:\n{}", lines.join("\n")))
+    })?;
     let mut posts = search::own_names(search::directories("posts"));
     posts.extend(post::BUILT_IN.iter().map(|(n, _)| n.to_string()));
     let mut warnings = advice::of(&machine, &shown, &text);

@@ -5,9 +5,13 @@
 
 pub mod args;
 pub mod check;
+pub mod console;
 pub mod controller;
 pub mod dialects;
+pub mod errand;
 pub mod features;
+pub mod home;
+pub mod jog;
 pub mod machines;
 pub mod mill;
 pub mod output;
@@ -15,14 +19,18 @@ mod pictures;
 pub mod ports;
 pub mod post;
 pub mod posts;
+pub mod probe;
 mod progress;
 mod proven;
 mod replay;
 mod rest_picture;
 pub mod send;
+pub mod settings;
 mod show;
 pub mod sources;
 pub mod translate;
+pub mod unlock;
+pub mod zero;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -52,6 +60,20 @@ enum Command {
     Translate(Box<translate::TranslateArgs>),
     /// Streams a program to a GRBL controller, or to the simulated one
     Send(Box<send::SendArgs>),
+    /// Homes the machine
+    Home(Box<home::HomeArgs>),
+    /// Ends the lock of an alarm
+    Unlock(Box<unlock::UnlockArgs>),
+    /// Moves the tool by a distance or to a place
+    Jog(Box<jog::JogArgs>),
+    /// Sets work zero where the tool stands, or goes there
+    Zero(Box<zero::ZeroArgs>),
+    /// Touches a plate below the tool and sets work Z by it
+    Probe(Box<probe::ProbeArgs>),
+    /// A controller's $ settings: save, compare, restore
+    Settings(Box<settings::SettingsArgs>),
+    /// Lines typed by hand to a controller
+    Console(Box<console::ConsoleArgs>),
     /// Serves a simulated GRBL controller on a pseudo-terminal
     Controller(Box<controller::ControllerArgs>),
     /// The serial ports of this computer, and which look like a GRBL board
@@ -102,6 +124,13 @@ pub fn main() -> ExitCode {
         Command::Post(a) => post::run(&a),
         Command::Translate(a) => translate::run(&a),
         Command::Send(a) => Ok(ExitCode::from(send::run(&a, &mut std::io::stdout()))),
+        Command::Home(a) => home::run(&a),
+        Command::Unlock(a) => unlock::run(&a),
+        Command::Jog(a) => jog::run(&a),
+        Command::Zero(a) => zero::run(&a),
+        Command::Probe(a) => probe::run(&a),
+        Command::Settings(a) => settings::run(&a),
+        Command::Console(a) => console::run(&a),
         Command::Controller(a) => Ok(ExitCode::from(controller::run(&a, &mut std::io::stdout()))),
         Command::Ports(a) => Ok(ExitCode::from(ports::run(&a, &mut std::io::stdout()))),
         Command::Dialects(a) => dialects::run(&a),

@@ -3,7 +3,7 @@
 use super::Failure;
 use super::output::{say, to_stdout};
 use crate::machine::DataError;
-use crate::machine::{data, search};
+use crate::machine::{data, proofread, search};
 use crate::post::{BUILT_IN, Post, specimen_text};
 use clap::Subcommand;
 use std::io::{self, Write};
@@ -194,31 +194,12 @@ fn as_path_of(shown: &str) -> String {
     as_path(Path::new(shown))
 }
 
-/// All that is wrong with a post, one complaint a line. The reader stops at the first unknown key: it is taken for the nearest known
-/// one, or its line is taken out, and the rest is read again.
+/// All that is wrong with a post, one complaint a line.
 fn complaints(name: &str, file: &str, text: &str) -> String {
-    let mut lines: Vec<String> = text.split('\n').map(str::to_string).collect();
-    let mut found: Vec<String> = Vec::new();
-    for _ in 0..50 {
-        let Err(e) = Post::named(name, file, &lines.join("\n")) else {
-            break;
-        };
-        // After a line was changed, text that is no TOML any more, or lacks the key that was meant, is our doing.
-        let ours = matches!(e, DataError::Syntax { .. } | DataError::Missing { .. });
-        if found.is_empty() || !ours {
-            found.push(e.to_string());
-        }
-        let DataError::UnknownKey {
-            at, key, nearest, ..
-        } = e
-        else {
-            break;
-        };
-        let line = at.line.checked_sub(1).and_then(|l| lines.get_mut(l));
-        let Some(line) = line else { break };
-        *line = nearest.map_or_else(String::new, |n| line.replacen(&key, &n, 1));
-    }
-    found.join("\n")
+    let good: Vec<&str> = BUILT_IN.iter().map(|(_, text)| *text).collect();
+    let all = proofread::complaints(text, &good, |t| Post::named(name, file, t).map(drop));
+    let lines: Vec<String> = all.iter().map(ToString::to_string).collect();
+    lines.join("\n")
 }
 
 /// Writes a copy of a post under a title that marks it as the user's.
@@ -379,13 +360,25 @@ mod tests {
         // Good figures that make no program: lines too short for the post's own words.
         let e = judge(&[
             ("longest = 70", "longest = 40"),
-            (
-                "G17 G90 G94 G54",
-                "G17 G90 G94 G54 G40 G49 G61 G80 G91.1 M9 M5",
-            ),
+            ("G17 G90 G94 G54", "G17 G90 G94 G54 G40 G49 G61 G80 M9 M5"),
         ]);
         assert!(
             e.contains("no program could be written with it: post mine: "),
+            "{e}"
+        );
+        let e = judge(&[("M5\", \"M9\", \"M30", "M9\", \"M30"), ("charset = ", "#")]);
+        assert_eq!(e.lines().count(), 2, "{e}");
+        let e = judge(&[(
+            "G54\"]",
+            "G54 G40 G49 G61 G80 G91.1 M9 M5 G17 G40 G49 G61 G80 G91.1 G94\"]",
+        )]);
+        assert!(
+            e.ends_with("characters, and [lines] longest is 70: split it into two lines"),
+            "{e}"
+        );
+        let e = judge(&[("M3 S{speed}\"]", "M3 S{speed}\", \"M30\"]")]);
+        assert!(
+            e.contains("cw = \"M30\": M2 and M30 belong to the last lines"),
             "{e}"
         );
         let (code, e) = words(check(&dir.path().join("none.toml")).unwrap_err());

@@ -58,11 +58,12 @@ impl Controller {
             Some(b'H') => self.home(rest),
             Some(b'S') if rest == "SLP" => {
                 self.mode = Mode::Sleep;
-                self.spindle = 0;
+                (self.spindle, self.flood) = (0, false);
+                self.overrides_in = 0;
                 self.steps.push_back(Step::Ok);
                 self.steps.push_back(Step::Say("[MSG:Sleeping]"));
                 // The answer is queued here, so the caller's would be one too many.
-                self.steps.push_back(Step::NoMoreOk);
+                self.steps.push_back(Step::Asleep);
                 Ok(())
             }
             Some(b'I') => {
@@ -113,6 +114,9 @@ impl Controller {
 
     fn jog(&mut self, text: &str) -> Result<(), u16> {
         let mut ahead: Parser = self.parser.clone();
+        if !self.build.quirks.jog_to_zero && !text.contains(['X', 'Y', 'Z']) {
+            return Err(26);
+        }
         let motion = interpret_jog(&mut ahead, text, 0).map_err(|e| error_number(&e.complaint))?;
         let to = ahead.machine_position();
         if self.memory.is_on(20) && self.outside(&to) {
@@ -124,6 +128,7 @@ impl Controller {
             to,
             speed: Speed::Fixed(motion.feed),
         });
+        self.steps.push_back(Step::Start);
         Ok(())
     }
 
@@ -132,6 +137,10 @@ impl Controller {
             return Err(5);
         }
         if rest != "H" {
+            if self.build.quirks.home_axis_wedge && rest.len() == 2 {
+                // The state is set before the axis is looked at, and stays.
+                self.mode = Mode::Home;
+            }
             return Err(3);
         }
         self.begin_homing();
@@ -150,7 +159,11 @@ impl Controller {
             return Err(8);
         }
         let (number, text) = rest.get(1..).and_then(|r| r.split_once('=')).ok_or(3u16)?;
-        let slot: usize = number.parse().map_err(|_| 2u16)?;
+        let (slot, behind) = self::number(number).ok_or(2u16)?;
+        if !behind.is_empty() {
+            return Err(3);
+        }
+        let slot = slot as usize;
         // It is carried out first, and kept only if it went well.
         self.carry_out(text)?;
         if let Some(place) = self.memory.startup.get_mut(slot) {
@@ -203,6 +216,11 @@ impl Controller {
         if !after.is_empty() {
             return Err(3);
         }
+        let byte = matches!(number as u16, 1 | 2 | 3 | 10 | 23 | 26);
+        let value = match byte && !self.build.quirks.byte_wrap {
+            true => value.min(255.0),
+            false => value,
+        };
         self.memory.store(number, value)?;
         self.motion
             .set_settings(&self.memory.planner_settings(self.build.blocks));
@@ -210,6 +228,40 @@ impl Controller {
         self.wco_in = 0;
         Ok(())
     }
+}
+
+/// A figure in the firmware's single precision: eight digits, then tenths and hundredths multiplied in.
+fn read_single(figure: &str) -> Option<f64> {
+    let (mut whole, mut digits, mut exponent, mut dot) = (0u32, 0, 0i32, false);
+    for byte in figure.bytes() {
+        match byte {
+            b'.' => dot = true,
+            b'0'..=b'9' if digits < 8 => {
+                whole = whole * 10 + u32::from(byte - b'0');
+                digits += 1;
+                exponent -= i32::from(dot);
+            }
+            b'0'..=b'9' => exponent += i32::from(!dot),
+            _ => {}
+        }
+    }
+    let mut value = whole as f32;
+    while exponent <= -2 {
+        value *= 0.01;
+        exponent += 2;
+    }
+    if exponent < 0 {
+        value *= 0.1;
+    }
+    for _ in 0..exponent.max(0) {
+        value *= 10.0;
+    }
+    let value = if figure.starts_with('-') {
+        -value
+    } else {
+        value
+    };
+    Some(f64::from(value.clamp(f32::MIN, f32::MAX)))
 }
 
 /// A number as the firmware reads it: sign, digits, one dot. And what follows it.
@@ -226,5 +278,5 @@ fn number(text: &str) -> Option<(f64, &str)> {
         .map_or(text.len(), |(i, _)| i);
     let (figure, rest) = text.split_at_checked(end)?;
     figure.bytes().any(|b| b.is_ascii_digit()).then_some(())?;
-    Some((figure.parse().ok()?, rest))
+    Some((read_single(figure)?, rest))
 }

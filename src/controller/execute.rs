@@ -9,20 +9,32 @@ use crate::geom::{Point, Vector};
 use crate::kinematics::{Speed, chords};
 use crate::units::Mm;
 
-/// The largest part of a second the firmware can dwell by: it rounds up to whole ones.
-const DWELL_STEP: f64 = 0.05;
+/// The largest part of a second the firmware can dwell by: it rounds up to whole ones, and looks at its flags between them.
+pub(super) const DWELL_STEP: f64 = 0.05;
+/// Computing and planning a chord of an arc takes so long, s. Fitted to recordings.
+const CHORD: f64 = 0.00115;
+/// What a look at the flags adds to it, s, on a machine that takes time to think.
+const LOOK: f64 = 0.00003;
+/// Looks at the flags while the spindle and the coolant come back behind a closed door: 4 s and 1 s.
+pub(super) const RESUMING: (u32, u32) = (80, 20);
 
 /// One thing to do before the line is answered.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Step {
     /// Queue a straight block; waits while the window is full. Machine coordinates, mm.
     Block { to: Point, speed: Speed },
+    /// The firmware computes for so long, s, on a machine that takes time to think.
+    Think(f64),
+    /// What is queued may start.
+    Start,
     /// Wait until all motion has ended.
     Sync,
-    /// Wait so many seconds, in Idle.
-    Wait(f64),
+    /// Dwell for so many looks at the flags, in Idle.
+    Wait(u32),
     /// The spindle as commanded.
     Spindle { direction: i8, rpm: f64 },
+    /// The coolant as commanded.
+    Coolant(bool),
     /// Reports show the new work offset.
     Offset,
     /// M0.
@@ -43,8 +55,8 @@ pub(super) enum Step {
     Homed,
     /// The reset that leaving check mode is.
     LeaveCheck,
-    /// Swallows the `ok` that follows.
-    NoMoreOk,
+    /// The motors are let go, and no answer follows.
+    Asleep,
     /// Answer the line.
     Ok,
 }
@@ -52,16 +64,30 @@ pub(super) enum Step {
 /// How long the firmware reads a line and plans what it says, s. Fitted to recordings of the real one.
 fn reading_time(line: &Line) -> f64 {
     match line {
-        Line::Text(text) if !text.is_empty() => 0.0013 + 0.0001 * text.len() as f64,
-        _ => 0.0002,
+        Line::Text(text) if text.starts_with("$H") => 0.00072,
+        Line::Text(text) if text.starts_with('$') && !text.starts_with("$J") => 0.00005,
+        Line::Text(text) if moves(line) => {
+            let count = |wanted: &[char]| text.matches(wanted).count() as f64;
+            let axes = count(&['X', 'Y', 'Z']);
+            0.0001 + 0.00006 * text.len() as f64 + 0.0001 * count(&['.']) + 0.0002 * axes
+        }
+        Line::Text(text) => 0.0001 + 0.00001 * text.len() as f64,
+        Line::TooLong => 0.0001,
     }
+}
+
+/// The line has axis words, so that something must be planned.
+fn moves(line: &Line) -> bool {
+    matches!(line, Line::Text(text) if text.contains(['X', 'Y', 'Z']))
 }
 
 impl Controller {
     /// Does all that can be done at this moment.
     pub(super) fn work(&mut self) {
         loop {
+            let thinking = self.now < self.busy_until - SAME_MOMENT;
             match self.deaf {
+                Deaf::ThenRestart(_) if thinking => return,
                 Deaf::Until(t) if self.now >= t - SAME_MOMENT => {
                     self.deaf = Deaf::No;
                     if self.dead {
@@ -79,21 +105,32 @@ impl Controller {
             if self.deaf != Deaf::No || self.dead {
                 continue;
             }
-            if self.cable.is_timed() {
-                self.busy_until = self.cable.blocked_until(self.now).max(self.busy_until);
-                if self.now < self.busy_until - SAME_MOMENT {
-                    return;
-                }
+            self.busy_until = self.cable.blocked_until(self.now).max(self.busy_until);
+            if self.now < self.busy_until - SAME_MOMENT {
+                return;
+            }
+            // A line that is read is finished before anything else is looked at, but a motion looks first.
+            if self.reading.as_ref().is_some_and(|line| !moves(line))
+                && let Some(line) = self.reading.take()
+            {
+                self.dispatch(&line);
             }
             self.serve_flags();
-            if self.homing.is_some() {
-                self.go_on_homing();
-            }
-            if let Suspend::DoorResuming(t) = self.suspend
-                && self.now >= t - SAME_MOMENT
+            if self.suspend == Suspend::None
+                && let Some(line) = self.reading.take()
             {
-                self.suspend = Suspend::None;
-                self.motion.release();
+                self.dispatch(&line);
+            }
+            self.go_on_homing();
+            if self.deaf != Deaf::No {
+                continue;
+            }
+            if self.now < self.busy_until - SAME_MOMENT {
+                return;
+            }
+            if let Suspend::DoorResuming { spindle, coolant } = self.suspend {
+                self.go_on_resuming(spindle, coolant);
+                continue;
             }
             self.end_of_jog();
             if self.suspend != Suspend::None || self.mode == Mode::Sleep && self.steps.is_empty() {
@@ -113,10 +150,6 @@ impl Controller {
                 }
                 continue;
             }
-            if let Some(line) = self.reading.take() {
-                self.dispatch(&line);
-                continue;
-            }
             match self.intake.line() {
                 Some(line) => {
                     self.think(reading_time(&line));
@@ -124,7 +157,9 @@ impl Controller {
                 }
                 None => {
                     // The ring has run dry: what is queued may start.
-                    self.motion.start();
+                    if self.mode != Mode::Home {
+                        self.motion.start();
+                    }
                     return;
                 }
             }
@@ -147,19 +182,24 @@ impl Controller {
         }
     }
 
-    fn dispatch(&mut self, line: &Line) {
+    pub(super) fn dispatch(&mut self, line: &Line) {
         let text = match line {
             Line::TooLong => return self.error(11),
             Line::Text(text) => text,
         };
         if text.is_empty() {
+            self.wall = None;
             return self.ok();
         }
         if text.starts_with('$') {
+            self.wall = None;
             return self.dollar(text);
         }
         if matches!(self.mode, Mode::Alarm | Mode::Jog) {
             return self.error(9);
+        }
+        if let Some(number) = self.wall {
+            return self.error(number);
         }
         match self.carry_out(text) {
             Err(number) => self.error(number),
@@ -170,9 +210,18 @@ impl Controller {
     /// Reads a line of G-code and queues what it means.
     pub(super) fn carry_out(&mut self, text: &str) -> Result<(), u16> {
         let before = Controller::stored(&self.parser);
+        let tool = self.parser.tool;
         let mut events = Vec::new();
         interpret_line(&mut self.parser, text, 0, &mut events)
             .map_err(|e| error_number(&e.complaint))?;
+        if !self.build.quirks.tool_falls && !text.contains('T') {
+            self.parser.tool = tool;
+        }
+        if self.mode == Mode::Check && !self.build.quirks.check_writes {
+            let mut kept = self.memory.clone();
+            kept.places = before;
+            kept.recall(&mut self.parser);
+        }
         self.queue_events(&events);
         let after = Controller::stored(&self.parser);
         let pairs = before.iter().flatten().zip(after.iter().flatten());
@@ -187,6 +236,8 @@ impl Controller {
     /// Turns what a line means into steps.
     pub(super) fn queue_events(&mut self, events: &[Event]) {
         if self.mode == Mode::Check {
+            self.check_limits(events);
+            self.steps.push_back(Step::Offset);
             if events.iter().any(|e| matches!(e, Event::End { .. })) {
                 self.steps.push_back(Step::Say("[MSG:Pgm End]"));
             }
@@ -221,12 +272,20 @@ impl Controller {
                 Event::Dwell { time, .. } => {
                     self.steps.push_back(Step::Sync);
                     self.steps
-                        .push_back(Step::Wait((time.0 / DWELL_STEP).ceil() * DWELL_STEP));
+                        .push_back(Step::Wait((time.0 / DWELL_STEP).ceil().min(65_535.0) as u32));
                 }
                 Event::Spindle {
                     direction, speed, ..
                 } => {
-                    self.steps.push_back(Step::Sync);
+                    // A laser's beam changes with the motion.
+                    let cuts =
+                        |e: &Event| matches!(e, Event::Motion(m) if m.kind == MotionKind::Feed);
+                    let beam = self.memory.is_on(32)
+                        && *direction == self.spindle
+                        && events.iter().any(cuts);
+                    if !beam {
+                        self.steps.push_back(Step::Sync);
+                    }
                     self.steps.push_back(Step::Spindle {
                         direction: *direction,
                         rpm: speed.0,
@@ -241,9 +300,11 @@ impl Controller {
                     self.steps.push_back(Step::Sync);
                     self.steps.push_back(Step::End);
                 }
-                Event::Coolant { .. } | Event::Sync { .. } | Event::ToolChange { .. } => {
-                    self.steps.push_back(Step::Sync)
+                Event::Coolant { flood, .. } => {
+                    self.steps.push_back(Step::Sync);
+                    self.steps.push_back(Step::Coolant(*flood));
                 }
+                Event::Sync { .. } | Event::ToolChange { .. } => self.steps.push_back(Step::Sync),
             }
         }
         self.steps.push_back(Step::Offset);
@@ -273,12 +334,58 @@ impl Controller {
                 speed,
             }),
             Some(pieces) => {
-                self.steps.extend(pieces.map(|p| Step::Block {
-                    to: p + shift,
-                    speed,
-                }));
+                for p in pieces {
+                    self.steps.push_back(Step::Think(CHORD));
+                    self.steps.push_back(Step::Block {
+                        to: p + shift,
+                        speed,
+                    });
+                }
             }
         }
+    }
+
+    /// Stops at once where a target lies outside the travel, as if it were moved to.
+    fn check_limits(&mut self, events: &[Event]) {
+        let shift = self.parser.machine_position() - self.parser.position;
+        let outside = |e: &Event| match e {
+            Event::Motion(m) => self.outside(&(m.to + shift)),
+            _ => false,
+        };
+        self.soft_limit |= self.memory.is_on(20) && events.iter().any(outside);
+    }
+
+    /// A part of a dwell.
+    fn dwell_step(&mut self) {
+        self.pause(DWELL_STEP);
+        self.think(LOOK);
+    }
+
+    /// Behind a closed door: first the spindle, then the coolant, then the axes.
+    fn go_on_resuming(&mut self, spindle: u32, coolant: u32) {
+        let (all_spindle, all_coolant) = RESUMING;
+        self.suspend = if spindle > 0 {
+            if spindle == all_spindle {
+                self.overrides_in = 0;
+            }
+            self.dwell_step();
+            Suspend::DoorResuming {
+                spindle: spindle - 1,
+                coolant,
+            }
+        } else if coolant > 0 {
+            if coolant == all_coolant {
+                self.overrides_in = 0;
+            }
+            self.dwell_step();
+            Suspend::DoorResuming {
+                spindle: 0,
+                coolant: coolant - 1,
+            }
+        } else {
+            self.motion.release();
+            Suspend::None
+        };
     }
 
     /// True when a machine position is outside the travel, which lies on the negative side of zero.
@@ -307,28 +414,42 @@ impl Controller {
                 }
                 self.motion.push(to, speed);
             }
+            Step::Think(seconds) => {
+                self.steps.pop_front();
+                self.think(seconds);
+                // Back to the main loop: it may have to wait.
+                return true;
+            }
+            Step::Start => self.motion.start(),
             Step::Sync => {
+                if self.probe_hit && self.motion.is_holding() && !self.motion.going() {
+                    // Contact has ended the way; what is left of it is forgotten.
+                    self.motion.abort();
+                }
                 self.motion.start();
                 if self.motion.going() || !self.motion.is_empty() {
                     return false;
                 }
             }
             Step::Wait(time) => match self.wait {
-                None => {
-                    self.wait = Some(self.now + time);
-                    return time <= 0.0;
+                None if time > 0 => {
+                    self.wait = Some(time - 1);
+                    self.dwell_step();
+                    return true;
                 }
-                Some(t) if self.now < t - SAME_MOMENT => return false,
-                Some(_) => self.wait = None,
+                Some(left) if left > 0 => {
+                    self.wait = Some(left - 1);
+                    self.dwell_step();
+                    return true;
+                }
+                _ => self.wait = None,
             },
             Step::Spindle { direction, rpm } => {
-                self.spindle = direction;
-                let (least, most) = (self.memory.get(31), self.memory.get(30));
-                self.rpm = if rpm > 0.0 {
-                    rpm.max(least).min(most.max(least))
-                } else {
-                    0.0
-                };
+                (self.spindle, self.rpm) = (direction, rpm);
+                self.overrides_in = 0;
+            }
+            Step::Coolant(flood) => {
+                self.flood = flood;
                 self.overrides_in = 0;
             }
             Step::Offset => self.refresh_offset(),
@@ -338,8 +459,9 @@ impl Controller {
                 return true;
             }
             Step::End => {
-                self.spindle = 0;
+                (self.spindle, self.flood) = (0, false);
                 self.clear_overrides();
+                self.wco_in = 0;
                 self.say("[MSG:Pgm End]");
             }
             Step::ProbeBegin { away } => {
@@ -377,17 +499,23 @@ impl Controller {
                 }
                 let home = self.motion.position();
                 self.parser.set_machine_position(&home);
+                // What was asked meanwhile is answered before the state changes.
+                self.serve_flags();
                 self.mode = Mode::Normal;
                 self.queue_startup_lines();
             }
             Step::LeaveCheck => {
                 self.steps.clear();
-                self.mode = Mode::Normal;
+                if self.mode != Mode::Alarm {
+                    self.mode = Mode::Normal;
+                }
                 self.finish_reset();
                 return true;
             }
-            Step::NoMoreOk => {
+            Step::Asleep => {
                 self.steps.clear();
+                let idle = self.motion.idle_delay();
+                self.think(idle);
                 return true;
             }
             Step::Ok => self.ok(),

@@ -391,7 +391,11 @@ mod tests {
         f.send(Side::Controller, &[0; 100_000], 0.0);
         let t = f.tally();
         // Five standard deviations of a count of n p.
-        for (count, p) in [(t.dropped, 0.01), (t.duplicated, 0.0198), (t.flipped, 0.0495)] {
+        for (count, p) in [
+            (t.dropped, 0.01),
+            (t.duplicated, 0.0198),
+            (t.flipped, 0.0495),
+        ] {
             let mean = 100_000.0 * p;
             assert!(
                 (count as f64 - mean).abs() < 5.0 * f64::sqrt(mean),

@@ -176,8 +176,8 @@ impl FaultPlan {
             }
             Kind::AtLine(deed) => {
                 let line: Option<usize> = value.parse().ok().filter(|n| *n > 0);
-                let line = line
-                    .ok_or_else(|| refuse("write a line's number: the first to arrive is 1"))?;
+                let line =
+                    line.ok_or_else(|| refuse("write a line's number: the first to arrive is 1"))?;
                 self.deeds.push((When::Line(line), *deed));
             }
             Kind::Switch(set) => match value {
@@ -274,7 +274,10 @@ mod tests {
                 (When::At(20.0), Deed::Plug),
             ]
         );
-        assert_eq!((p.eeprom_loss, p.rx_bytes, p.seed), (true, Some(64), Some(42)));
+        assert_eq!(
+            (p.eeprom_loss, p.rx_bytes, p.seed),
+            (true, Some(64), Some(42))
+        );
         assert!(p.to_string().starts_with("drop:0.001, duplicate:0.5, "));
         assert!(!p.to_string().contains("seed"));
     }
@@ -287,11 +290,20 @@ mod tests {
             "there is no fault \"loose-ok\" (did you mean \"lose-ok\"?); there are drop, duplicate, flip, lose-ok, delay, reset-at, reset-at-line, power-cycle-at, power-cycle-at-line, unplug-at, unplug-at-line, plug-at, eeprom-loss, rx-bytes, seed"
         );
         for (text, problem) in [
-            ("drop:2", "write a chance from 0 to 1, e.g. 0.001 for one in a thousand"),
-            ("flip:nan", "write a chance from 0 to 1, e.g. 0.001 for one in a thousand"),
+            (
+                "drop:2",
+                "write a chance from 0 to 1, e.g. 0.001 for one in a thousand",
+            ),
+            (
+                "flip:nan",
+                "write a chance from 0 to 1, e.g. 0.001 for one in a thousand",
+            ),
             ("delay:-1s", A_TIME),
             ("reset-at:1e400", A_TIME),
-            ("reset-at-line:0", "write a line's number: the first to arrive is 1"),
+            (
+                "reset-at-line:0",
+                "write a line's number: the first to arrive is 1",
+            ),
             ("eeprom-loss:yes", "write on or off"),
             ("rx-bytes:0", "write a number of bytes, 1 to 1000000"),
             ("seed:x", "write a whole number"),

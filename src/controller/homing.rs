@@ -95,7 +95,11 @@ impl Controller {
         for axis in (0..3).filter(|&i| axes[i]) {
             let toward = if negative >> axis & 1 == 1 { -1.0 } else { 1.0 };
             zero[axis] = 0.0;
-            to[axis] = if approach { toward * way } else { -toward * way };
+            to[axis] = if approach {
+                toward * way
+            } else {
+                -toward * way
+            };
         }
         self.declare(zero);
         self.motion
@@ -201,9 +205,12 @@ impl Controller {
     /// Stops where the axes are.
     pub(super) fn end_homing(&mut self) {
         if let Some(homing) = self.homing.take() {
-            let real = homing.position(&self.motion.position());
+            let counted = self.motion.position_in_steps();
+            let real = homing.position(&counted);
             self.motion.abort();
             self.motion.set_position(real);
+            // Steps of an axis that was held back are counted all the same.
+            self.declare(counted);
         }
     }
 

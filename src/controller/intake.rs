@@ -23,6 +23,30 @@ enum Comment {
     Semicolon,
 }
 
+/// How lines are cut, by firmware and quirk.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Cutting {
+    /// CR LF is two line ends.
+    pub crlf_twice: bool,
+    /// Most significant characters of a line.
+    pub most: usize,
+    /// What is longer is cut short without a sign, rather than refused.
+    pub truncates: bool,
+    /// `/` is passed over; otherwise a line that begins with it counts as empty.
+    pub slash_passes: bool,
+}
+
+impl Default for Cutting {
+    fn default() -> Cutting {
+        Cutting {
+            crlf_twice: true,
+            most: LINE_CHARS,
+            truncates: false,
+            slash_passes: true,
+        }
+    }
+}
+
 /// Receive ring and line buffer.
 #[derive(Clone, Debug)]
 pub struct Intake {
@@ -32,6 +56,9 @@ pub struct Intake {
     line: String,
     too_long: bool,
     comment: Comment,
+    cutting: Cutting,
+    after_cr: bool,
+    deleted: bool,
 }
 
 impl Intake {
@@ -44,12 +71,24 @@ impl Intake {
             line: String::with_capacity(LINE_CHARS),
             too_long: false,
             comment: Comment::None,
+            cutting: Cutting::default(),
+            after_cr: false,
+            deleted: false,
         }
+    }
+
+    /// The same, cutting lines another way.
+    pub fn cutting(self, cutting: Cutting) -> Intake {
+        Intake { cutting, ..self }
     }
 
     /// One byte from the cable. A real-time byte comes back; any other is stored, or lost when the ring is full.
     pub fn arrive(&mut self, byte: u8) -> Option<Realtime> {
-        let command = Realtime::from_byte(byte);
+        self.arrive_as(byte, Realtime::from_byte(byte))
+    }
+
+    /// The same, where another firmware has said what it makes of the byte.
+    pub fn arrive_as(&mut self, byte: u8, command: Option<Realtime>) -> Option<Realtime> {
         if command.is_none() {
             if self.ring.len() < self.capacity {
                 self.ring.push_back(byte);
@@ -63,7 +102,12 @@ impl Intake {
     /// Reads stored bytes until a line is complete. `None`: the ring is dry (what was read of a line is kept).
     pub fn line(&mut self) -> Option<Line> {
         while let Some(byte) = self.ring.pop_front() {
+            let after_cr = std::mem::replace(&mut self.after_cr, byte == b'\r');
+            if byte == b'\n' && after_cr && !self.cutting.crlf_twice {
+                continue;
+            }
             if byte == b'\n' || byte == b'\r' {
+                self.deleted = false;
                 let text = std::mem::take(&mut self.line);
                 self.comment = Comment::None;
                 return Some(if std::mem::take(&mut self.too_long) {
@@ -78,8 +122,14 @@ impl Intake {
                 (Comment::None, b'(') => self.comment = Comment::Parenthesis,
                 (Comment::None, b';') => self.comment = Comment::Semicolon,
                 // Blanks and control characters vanish; so does `/`, which makes a "deleted" block run.
+                (Comment::None, b'/') if !self.cutting.slash_passes && self.line.is_empty() => {
+                    self.deleted = true;
+                }
                 (Comment::None, 0..=b' ' | b'/') => {}
-                (Comment::None, _) if self.line.len() >= LINE_CHARS => self.too_long = true,
+                (Comment::None, _) if self.deleted => {}
+                (Comment::None, _)
+                    if self.line.len() >= self.cutting.most && self.cutting.truncates => {}
+                (Comment::None, _) if self.line.len() >= self.cutting.most => self.too_long = true,
                 (Comment::None, _) => self.line.push(char::from(byte.to_ascii_uppercase())),
             }
         }

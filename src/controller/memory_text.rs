@@ -18,7 +18,8 @@ const PLACES: [&str; 8] = ["G54", "G55", "G56", "G57", "G58", "G59", "G28", "G30
 impl Memory {
     /// All of it, a line each.
     pub fn to_text(&self) -> String {
-        let mut out = String::from("; what the simulated controller keeps when it is switched off\n");
+        let mut out =
+            String::from("; what the simulated controller keeps when it is switched off\n");
         // Writing into a String cannot fail.
         for number in self.numbers() {
             _ = writeln!(out, "${number}={}", self.get(number));
@@ -76,20 +77,36 @@ impl Memory {
             return Ok(());
         }
         // The firmware's own lines are plain ASCII in upper case and no longer than it can keep.
-        let kept = || value.chars().filter(char::is_ascii_graphic).take(crate::wire::LINE_CHARS).collect();
+        let kept = || {
+            value
+                .chars()
+                .filter(char::is_ascii_graphic)
+                .take(crate::wire::LINE_CHARS)
+                .collect()
+        };
         match key {
             "$N0" => self.startup[0] = kept(),
             "$N1" => self.startup[1] = kept(),
             "$I" => self.build_text = kept(),
             _ => {
                 let known = self.numbers();
-                let n = key.strip_prefix('$').and_then(|n| n.parse().ok()).filter(|n| known.contains(n));
+                let n = key
+                    .strip_prefix('$')
+                    .and_then(|n| n.parse().ok())
+                    .filter(|n| known.contains(n));
                 let n: u16 = n.ok_or_else(|| {
-                    let names: Vec<String> = known.iter().map(|n| format!("${n}")).chain(PLACES.map(String::from)).collect();
-                    let near = nearest(key, names.iter().map(String::as_str)).map_or(String::new(), |n| format!(" (did you mean {n}?)"));
+                    let names: Vec<String> = known
+                        .iter()
+                        .map(|n| format!("${n}"))
+                        .chain(PLACES.map(String::from))
+                        .collect();
+                    let near = nearest(key, names.iter().map(String::as_str))
+                        .map_or(String::new(), |n| format!(" (did you mean {n}?)"));
                     format!("\"{shown}\" is nothing that a controller keeps{near}")
                 })?;
-                let v = number(value).filter(|v| *v >= 0.0).ok_or_else(|| format!("\"{shown}\": write a number, zero or more"))?;
+                let v = number(value)
+                    .filter(|v| *v >= 0.0)
+                    .ok_or_else(|| format!("\"{shown}\": write a number, zero or more"))?;
                 self.set(n, v);
             }
         }
@@ -114,10 +131,22 @@ mod tests {
     #[test]
     fn what_cannot_be_kept_is_said() {
         let refused = |t: &str| Memory::from_text("e.txt", t).unwrap_err().to_string();
-        assert_eq!(refused("\nG54=1,2\n"), "e.txt:2:1: \"G54=1,2\": write three numbers, X,Y,Z");
-        assert_eq!(refused("$9=1"), "e.txt:1:1: \"$9=1\" is nothing that a controller keeps (did you mean $0?)");
-        assert_eq!(refused("$110=-1"), "e.txt:1:1: \"$110=-1\": write a number, zero or more");
-        assert_eq!(refused("hello"), "e.txt:1:1: \"hello\" is nothing that a controller keeps");
+        assert_eq!(
+            refused("\nG54=1,2\n"),
+            "e.txt:2:1: \"G54=1,2\": write three numbers, X,Y,Z"
+        );
+        assert_eq!(
+            refused("$9=1"),
+            "e.txt:1:1: \"$9=1\" is nothing that a controller keeps (did you mean $0?)"
+        );
+        assert_eq!(
+            refused("$110=-1"),
+            "e.txt:1:1: \"$110=-1\": write a number, zero or more"
+        );
+        assert_eq!(
+            refused("hello"),
+            "e.txt:1:1: \"hello\" is nothing that a controller keeps"
+        );
         assert!(Memory::from_text("e", "").unwrap() == Memory::default());
     }
 

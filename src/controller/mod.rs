@@ -9,9 +9,10 @@
 //! bytes --------> intake ring -----> dispatch --------> waiting steps ---------------> motion
 //!            \--> real-time flags          \--> $ commands
 //! ```
-//! What it keeps to: line intake, flow control, error numbers, states, resets, report cadence, planner and slice latency of the
-//! firmware as shipped (Uno, no door pin, no line numbers, no M7). What it leaves out: limit and probe switches (a probe touches
-//! nothing, homing always succeeds), lost bytes while settings are written, laser mode, the time the serial line takes.
+//! What it keeps to: line intake, flow control, error numbers, states, resets, report cadence, switches, homing, probing, planner and
+//! slice latency of the firmware as shipped (Uno, no line numbers, no M7), and on a timed line the time that bytes and thinking take.
+//! What it leaves out: beam power that changes from block to block is shown at once (laser mode), and of grblHAL and FluidNC all
+//! that a sender need not notice.
 //!
 //! ```
 //! use morsemill::controller::{Controller, Memory};
@@ -46,8 +47,8 @@ mod report;
 pub mod rig;
 pub mod script;
 pub mod settings;
-mod switches;
 pub mod tcp;
+mod switches;
 
 pub use fault::{Faults, Side, Tally};
 pub use fault_plan::{Deed, FaultError, FaultPlan, Noise, When};
@@ -109,6 +110,10 @@ impl Default for Build {
 
 /// Moments closer than this are the same, s: far below anything the firmware can tell apart, far above f64 noise in hours of time.
 const SAME_MOMENT: f64 = 1e-9;
+/// Seconds from the decision to start to the first step, on a machine that takes time to think. Fitted to recordings.
+const START: f64 = 0.0014;
+/// Seconds from a reset to the greeting, on such a machine: what is stored is read first.
+const GREETING: f64 = 0.0105;
 /// Seconds the firmware is deaf after an alarm.
 const DEAF: f64 = 0.5;
 
@@ -130,8 +135,11 @@ enum Suspend {
     None,
     Hold,
     Door,
-    /// Door closed, spindle and coolant coming back until this time.
-    DoorResuming(f64),
+    /// Door closed, spindle and coolant coming back one after the other: so many looks at the flags are left of each wait.
+    DoorResuming {
+        spindle: u32,
+        coolant: u32,
+    },
 }
 
 /// Behind the half second of deafness.
@@ -173,9 +181,11 @@ pub struct Controller {
     deaf: Deaf,
     /// ALARM:1 or 2: nothing but a reset helps.
     dead: bool,
-    /// End of the wait that the current step is in (dwell, drain, homing).
-    wait: Option<f64>,
+    /// What is left of the dwell that is under way, looks at the flags.
+    wait: Option<u32>,
     now: f64,
+    /// grblHAL: the error that all further G-code gets.
+    wall: Option<u16>,
     cable: Cable,
     /// The main loop thinks until then, and does nothing else.
     busy_until: f64,
@@ -185,6 +195,8 @@ pub struct Controller {
     spindle: i8,
     rpm: f64,
     spindle_stopped: bool,
+    /// The coolant runs, unless a door stops it.
+    flood: bool,
     /// WCO as reports show it: it lags behind the parser until the motion before has ended.
     offset: [f64; 3],
     probe: Point,
@@ -203,6 +215,8 @@ pub struct Controller {
     /// Buttons when last looked at: hold, reset, cycle start, door.
     buttons_seen: [bool; 4],
     homing: Option<Homing>,
+    /// What is said now is said when the restart is done.
+    greeting: bool,
     writing: Option<eeprom::Write>,
     /// A probe is on its way and waits for this state of its pin.
     probing: Option<bool>,
@@ -235,11 +249,13 @@ impl Controller {
         let mut parser = Parser::new(build.profile.dialect());
         memory.recall(&mut parser);
         Controller {
-            motion: Motion::new(&memory.planner_settings(build.blocks), Point::origin()),
+            motion: Motion::new(&memory.planner_settings(build.blocks), Point::origin())
+                .starting_after(if build.baud.is_some() { START } else { 0.0 }),
             build,
             memory,
             parser,
-            intake: Intake::new(build.rx_bytes),
+            intake: Intake::new(build.rx_bytes).cutting(build.profile.cutting(&build.quirks)),
+            wall: None,
             flags: realtime::Flags::default(),
             steps: VecDeque::new(),
             mode: Mode::Normal,
@@ -255,6 +271,7 @@ impl Controller {
             spindle: 0,
             rpm: 0.0,
             spindle_stopped: false,
+            flood: false,
             offset: [0.0; 3],
             probe: Point::origin(),
             probe_hit: false,
@@ -269,6 +286,7 @@ impl Controller {
             limits_seen: [false; 3],
             buttons_seen: [false; 4],
             homing: None,
+            greeting: false,
             writing: None,
             probing: None,
         }
@@ -319,13 +337,19 @@ impl Controller {
                 // The main loop empties the ring as it fills, unless a line holds it up.
                 self.work();
             }
-            match self.intake.arrive(byte) {
+            match self
+                .intake
+                .arrive_as(byte, self.build.profile.realtime(byte))
+            {
                 Some(crate::wire::Realtime::Reset) => {
                     // What came before the reset was read before it; what comes with it is thrown away by it.
                     self.work();
                     if self.reset() {
                         for &late in bytes.get(index + 1..).unwrap_or_default() {
-                            if let Some(command) = self.intake.arrive(late) {
+                            if let Some(command) = self
+                                .intake
+                                .arrive_as(late, self.build.profile.realtime(late))
+                            {
                                 self.flags.set(command);
                             }
                         }
@@ -399,7 +423,10 @@ impl Controller {
             if self.loses() {
                 continue;
             }
-            match self.intake.arrive(byte) {
+            match self
+                .intake
+                .arrive_as(byte, self.build.profile.realtime(byte))
+            {
                 Some(crate::wire::Realtime::Reset) => _ = self.reset(),
                 Some(command) => self.flags.set(command),
                 None => {}
@@ -410,8 +437,13 @@ impl Controller {
     /// The main loop is busy for so long, s; on an untimed line thinking takes no time.
     fn think(&mut self, seconds: f64) {
         if self.cable.is_timed() {
-            self.busy_until = self.busy_until.max(self.now) + seconds;
+            self.pause(seconds);
         }
+    }
+
+    /// The main loop does nothing else for so long, s.
+    fn pause(&mut self, seconds: f64) {
+        self.busy_until = self.busy_until.max(self.now) + seconds;
     }
 
     /// What it said since the last call.
@@ -438,16 +470,11 @@ impl Controller {
         };
         // The deaf and the dead do not look at these.
         let awake = self.deaf == Deaf::No && !self.dead;
-        let busy = Some(self.busy_until).filter(|t| *t > self.now + SAME_MOMENT);
+        let busy = Some(self.busy_until).filter(|t| awake && *t > self.now + SAME_MOMENT);
         let switch = self.next_switch().map(|dt| self.now + dt);
         let homing = self.homing.as_ref().and_then(Homing::wakes);
-        let door = match self.suspend {
-            Suspend::DoorResuming(t) if awake => Some(t),
-            _ => None,
-        };
-        let wait = self.wait.filter(|_| awake && self.suspend == Suspend::None);
         let (arrival, left) = (self.cable.next_arrival(), self.cable.quiet_at());
-        [axes, deaf, door, wait, busy, switch, homing, arrival, left]
+        [axes, deaf, busy, switch, homing, arrival, left]
             .into_iter()
             .flatten()
             .map(|t| t.max(self.now))
@@ -461,7 +488,7 @@ impl Controller {
         let working = self.suspend == Suspend::None && !self.steps.is_empty();
         !self.dead && (stopping || working)
             || self.deaf != Deaf::No
-            || matches!(self.suspend, Suspend::DoorResuming(_))
+            || matches!(self.suspend, Suspend::DoorResuming { .. })
     }
 
     /// True while axes move or a queue waits to.
@@ -484,7 +511,10 @@ impl Controller {
 
     /// Machine position in whole steps, as the firmware counts it, mm.
     pub fn position_in_steps(&self) -> Point {
-        self.motion.steps_at(&self.position())
+        match self.homing {
+            Some(_) => self.motion.steps_at(&self.position()),
+            None => self.motion.position_in_steps(),
+        }
     }
 
     /// Machine time from the first motion since power-up to the last standstill (or to now, while moving), s.
@@ -499,12 +529,6 @@ impl Controller {
 
     /// Time without decisions.
     fn pass(&mut self, dt: f64) {
-        if self.suspend != Suspend::None
-            && let Some(t) = &mut self.wait
-        {
-            // A hold stops a dwell's clock.
-            *t += dt;
-        }
         if self.motion.moving() {
             self.first_motion.get_or_insert(self.now);
             self.last_motion = self.now + dt;
@@ -517,7 +541,12 @@ impl Controller {
         // A byte of the line is a character up to U+00FF here.
         let mut bytes: Vec<u8> = line.chars().map(|c| c as u32 as u8).collect();
         bytes.extend_from_slice(b"\r\n");
-        self.cable.say(&bytes, self.now);
+        let at = if self.greeting {
+            self.busy_until
+        } else {
+            self.now
+        };
+        self.cable.say(&bytes, at.max(self.now));
     }
 
     fn ok(&mut self) {
@@ -525,6 +554,7 @@ impl Controller {
     }
 
     fn error(&mut self, number: u16) {
+        self.wall = self.build.profile.walls().then_some(number);
         self.say(&format!("error:{number}"));
     }
 
@@ -548,6 +578,8 @@ impl Controller {
             self.suspend = Suspend::None;
             self.say(if homing { "ALARM:6" } else { "ALARM:3" });
             self.deaf = Deaf::ThenRestart(self.now + DEAF);
+        } else if self.now < self.busy_until - SAME_MOMENT {
+            self.deaf = Deaf::ThenRestart(self.busy_until);
         } else {
             self.finish_reset();
         }
@@ -558,9 +590,10 @@ impl Controller {
     fn finish_reset(&mut self) {
         self.deaf = Deaf::No;
         // The line that was being carried out lets go of its answer.
-        if self.steps.iter().any(|s| matches!(s, Step::Ok))
-            && (self.mode == Mode::Alarm || self.dead)
-        {
+        if let Some(line) = self.reading.take() {
+            self.dispatch(&line);
+        }
+        if self.build.quirks.stray_ok && self.steps.contains(&Step::Ok) {
             self.ok();
         }
         if self.dead || self.mode == Mode::Sleep {
@@ -569,8 +602,8 @@ impl Controller {
         if self.mode != Mode::Alarm {
             self.mode = Mode::Normal;
         }
-        let here = self.motion.position();
         self.motion.abort();
+        let here = self.motion.position();
         self.motion.set_overrides(Overrides {
             feed: 1.0,
             rapid: 1.0,
@@ -578,6 +611,7 @@ impl Controller {
         self.parser.reset();
         self.parser.set_machine_position(&here);
         self.intake.clear();
+        self.wall = None;
         self.reading = None;
         self.busy_until = self.now;
         self.flags = realtime::Flags::default();
@@ -588,6 +622,7 @@ impl Controller {
         self.soft_limit = false;
         self.percent = NO_OVERRIDES;
         (self.spindle, self.rpm, self.spindle_stopped) = (0, 0.0, false);
+        self.flood = false;
         (self.probe, self.probe_hit) = (Point::origin(), false);
         self.restart();
     }
@@ -595,7 +630,9 @@ impl Controller {
     fn restart(&mut self) {
         (self.wco_in, self.overrides_in) = (0, 0);
         self.refresh_offset();
-        self.cable.say(b"\r\n", self.now);
+        self.think(GREETING);
+        self.greeting = true;
+        self.say("");
         self.say(self.build.profile.welcome());
         if self.memory.is_on(21) && self.limit_pins().contains(&true) {
             self.mode = Mode::Alarm;
@@ -606,6 +643,7 @@ impl Controller {
         } else {
             self.queue_startup_lines();
         }
+        self.greeting = false;
     }
 
     /// ALARM:n: whatever ran is over.

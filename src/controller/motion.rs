@@ -15,6 +15,10 @@ use std::collections::VecDeque;
 const SLICE: f64 = 0.010;
 /// Slices the firmware holds, the running one included.
 const SLICES: usize = 5;
+/// A switch this near in time is reached, s.
+const SOON: f64 = 1e-8;
+/// Rounding that still counts as a step made.
+const STEP_SLACK: f64 = 1e-4;
 /// What is left of a block when it counts as done, mm: far below any step.
 const NOTHING: f64 = 1e-7;
 
@@ -24,6 +28,8 @@ struct Slice {
     from: Point,
     to: Point,
     rapid: bool,
+    /// The whole block, steps.
+    block: ([i64; 3], [i64; 3]),
 }
 
 /// The axes and their queue.
@@ -39,6 +45,8 @@ pub struct Motion {
     head: Point,
     /// Where the axes are.
     position: Point,
+    /// The block that the axes are in, or were in last, steps.
+    block: Option<([i64; 3], [i64; 3])>,
     /// Slices are prepared and run.
     going: bool,
     /// The motors are being held at the end of a motion, and nothing else happens.
@@ -47,6 +55,8 @@ pub struct Motion {
     holding: bool,
     /// What was last run was a rapid move.
     ran_rapid: bool,
+    /// How long the first slices take to prepare, s.
+    start_delay: f64,
 }
 
 impl Motion {
@@ -61,11 +71,28 @@ impl Motion {
             speed: 0.0,
             head: position,
             position,
+            block: None,
             going: false,
             resting: false,
             holding: false,
             ran_rapid: false,
+            start_delay: 0.0,
         }
+    }
+
+    /// The same, with a delay before every start from rest, s.
+    pub fn starting_after(self, seconds: f64) -> Motion {
+        Motion {
+            start_delay: seconds,
+            ..self
+        }
+    }
+
+    /// As new, at `position`, but with the same overrides and delay.
+    fn anew(&self, settings: &Settings, position: Point) -> Motion {
+        let mut fresh = Motion::new(settings, position).starting_after(self.start_delay);
+        fresh.planner.set_overrides(self.planner.overrides());
+        fresh
     }
 
     /// Where the axes are now.
@@ -79,12 +106,40 @@ impl Motion {
             .point_of_steps(&self.planner.steps_of_point(place))
     }
 
+    /// Where the axes are now, in the whole steps made so far, mm: the axis with the most steps has made those whose place it has
+    /// come to, the others follow it.
+    pub fn position_in_steps(&self) -> Point {
+        let Some((from, to)) = self.block else {
+            return self.steps_at(&self.position);
+        };
+        let way: [i64; 3] = std::array::from_fn(|i| to[i].saturating_sub(from[i]));
+        let lead = (0..3).max_by_key(|&i| way[i].abs()).unwrap_or_default();
+        let all = way[lead].abs();
+        if all == 0 {
+            return self.steps_at(&self.position);
+        }
+        let at = self.position[lead] * self.planner.settings().steps_per_mm[lead];
+        let made = (at - from[lead] as f64).abs();
+        let made = (made + STEP_SLACK).floor().clamp(0.0, all as f64);
+        let steps = std::array::from_fn(|i| {
+            let share = way[i] as f64 * made / all as f64;
+            from[i].saturating_add(share.round() as i64)
+        });
+        self.planner.point_of_steps(&steps)
+    }
+
+    /// How long the motors are held at a standstill, s.
+    pub fn idle_delay(&self) -> f64 {
+        self.planner.settings().idle_delay.0
+    }
+
     /// Seconds until a coordinate comes to `at` within the slice that runs now; `None` if it does not, or stands there already.
     pub fn reach(&self, axis: usize, at: f64) -> Option<f64> {
         let slice = self.slices.front().filter(|_| self.going)?;
         let (from, to, now) = (slice.from[axis], slice.to[axis], self.position[axis]);
         let ahead = (at - now) * (to - from) > 0.0 && (at - to) * (at - now) <= 0.0;
-        ahead.then(|| (slice.duration * (at - from) / (to - from) - self.run).max(0.0))
+        let after = slice.duration * (at - from) / (to - from) - self.run;
+        (ahead && after > SOON).then_some(after)
     }
 
     /// Path speed at the end of what is prepared, mm/s: what the firmware reports as speed.
@@ -144,6 +199,17 @@ impl Motion {
     /// Starts (or goes on with) what is queued.
     pub fn start(&mut self) {
         if !self.is_empty() {
+            if !self.going && self.start_delay > 0.0 && !self.planner.is_empty() {
+                let steps = self.planner.steps_of_point(&self.position);
+                self.slices.push_back(Slice {
+                    rapid: false,
+                    duration: self.start_delay,
+                    from: self.position,
+                    to: self.position,
+                    block: self.block.unwrap_or((steps, steps)),
+                    rapid: false,
+                });
+            }
             self.going = true;
             self.prepare();
         }
@@ -167,17 +233,24 @@ impl Motion {
 
     /// Throws the queue away where the axes are. At rest this costs nothing; in motion the real machine loses steps.
     pub fn abort(&mut self) {
-        let overrides = self.planner.overrides();
-        *self = Motion::new(&self.planner.settings().clone(), self.position);
-        self.planner.set_overrides(overrides);
+        // The axes stand on whole steps.
+        let place = self.position_in_steps();
+        *self = self.anew(&self.planner.settings().clone(), place);
     }
 
     /// New machine figures. Only while empty; otherwise they are ignored.
     pub fn set_settings(&mut self, settings: &Settings) {
         if self.is_empty() {
-            let overrides = self.planner.overrides();
-            *self = Motion::new(settings, self.position);
-            self.planner.set_overrides(overrides);
+            // The firmware counts steps: other steps per mm are another place.
+            let old = self.planner.settings().steps_per_mm;
+            let steps = self.planner.steps_of_point(&self.position);
+            let mut place = self.position;
+            for axis in 0..3 {
+                if settings.steps_per_mm[axis] != old[axis] {
+                    place[axis] = steps[axis] as f64 / settings.steps_per_mm[axis];
+                }
+            }
+            *self = self.anew(settings, place);
         }
     }
 
@@ -193,7 +266,7 @@ impl Motion {
     /// Says where the axes are (homing). Only while empty.
     pub fn set_position(&mut self, position: Point) {
         if self.is_empty() {
-            (self.position, self.head) = (position, position);
+            (self.position, self.head, self.block) = (position, position, None);
             self.planner.set_position(&position);
         }
     }
@@ -215,6 +288,7 @@ impl Motion {
         };
         self.run += dt;
         let before = self.position;
+        self.block = Some(slice.block);
         if self.run >= slice.duration - super::SAME_MOMENT {
             self.position = slice.to;
             self.slices.pop_front();
@@ -240,11 +314,13 @@ impl Motion {
             let delay = self.planner.settings().idle_delay.0;
             if !self.resting && delay > 0.0 {
                 self.resting = true;
+                let steps = self.planner.steps_of_point(&self.position);
                 self.slices.push_back(Slice {
                     duration: delay,
                     from: self.position,
                     to: self.position,
                     rapid: false,
+                    block: self.block.unwrap_or((steps, steps)),
                 });
             } else {
                 self.resting = false;
@@ -267,6 +343,7 @@ impl Motion {
             planned
         };
         let from = self.head;
+        let steps = (block.from_steps, block.to_steps);
         let time = profile.duration().min(SLICE);
         let at_end = time >= profile.duration();
         let remaining = block.remaining
@@ -301,6 +378,7 @@ impl Motion {
             from,
             to: self.head,
             rapid,
+            block: steps,
         });
         true
     }

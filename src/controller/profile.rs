@@ -1,6 +1,8 @@
 //! Which firmware is played, and which of its oddities.
 
+use super::intake::Cutting;
 use crate::gcode::Dialect;
+use crate::wire::Realtime;
 
 /// The firmware played.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -41,6 +43,71 @@ impl Profile {
             Profile::Grbl11h | Profile::Grbl11f => Dialect::Grbl,
             Profile::GrblHal => Dialect::GrblHal,
             Profile::FluidNc => Dialect::FluidNc,
+        }
+    }
+
+    /// How it cuts lines.
+    pub(super) fn cutting(self, quirks: &Quirks) -> Cutting {
+        let stock = Cutting {
+            crlf_twice: quirks.crlf_twice,
+            slash_passes: quirks.slash_passes,
+            ..Cutting::default()
+        };
+        match self {
+            Profile::Grbl11h | Profile::Grbl11f => stock,
+            Profile::GrblHal => Cutting {
+                crlf_twice: false,
+                most: 255,
+                ..stock
+            },
+            Profile::FluidNc => Cutting {
+                crlf_twice: false,
+                most: 254,
+                truncates: true,
+                ..stock
+            },
+        }
+    }
+
+    /// What `$I` says around the user's text: in front of it, behind it with the numbers of blocks and bytes filled in.
+    pub(super) fn build_info(self, text: &str, blocks: usize, rx: usize) -> Vec<String> {
+        match self {
+            Profile::Grbl11h => vec![
+                format!("[VER:1.1h.20190830:{text}]"),
+                format!("[OPT:V,{blocks},{rx}]"),
+            ],
+            Profile::Grbl11f => vec![
+                format!("[VER:1.1f.20170801:{text}]"),
+                format!("[OPT:V,{blocks},{rx}]"),
+            ],
+            Profile::GrblHal => vec![
+                format!("[VER:1.1f.20260817:{text}]"),
+                format!("[OPT:VNMSL,{blocks},{rx},3,0]"),
+                "[AXS:3:XYZ]".to_string(),
+                "[NEWOPT:ENUMS,RT+,HOME]".to_string(),
+                "[FIRMWARE:grblHAL]".to_string(),
+                "[SIGNALS:HSEP]".to_string(),
+            ],
+            Profile::FluidNc => vec![
+                format!("[VER:3.9 FluidNC v3.9.1:{text}]"),
+                "[OPT:PHS]".to_string(),
+            ],
+        }
+    }
+
+    /// After an error it refuses all further G-code until it is spoken to otherwise.
+    pub(super) fn walls(self) -> bool {
+        self == Profile::GrblHal
+    }
+
+    /// What it makes of a byte on arrival; `None`: it belongs to a line.
+    pub(super) fn realtime(self, byte: u8) -> Option<Realtime> {
+        match (self, byte) {
+            (Profile::GrblHal, 0x80 | 0x87) => Some(Realtime::Status),
+            (Profile::GrblHal, 0x81) => Some(Realtime::Resume),
+            (Profile::GrblHal, 0x82) => Some(Realtime::Hold),
+            (Profile::GrblHal, 0x19) => Some(Realtime::Reset),
+            _ => Realtime::from_byte(byte),
         }
     }
 
@@ -86,9 +153,8 @@ pub struct Quirks {
     pub stray_ok: bool,
     /// CR LF counts as two line ends and gets two answers.
     pub crlf_twice: bool,
-    /// Bytes that do not fit the receive ring vanish without a sign.
-    pub silent_overflow: bool,
-    /// Bytes that arrive while settings or offsets are written may be lost.
+    /// Bytes that arrive on a timed line while settings or offsets are written are lost. Off unless asked for: the recordings were
+    /// made on an emulated chip, which keeps them.
     pub eeprom_byte_loss: bool,
     /// G10, G28.1 and G30.1 write in check mode too.
     pub check_writes: bool,
@@ -113,7 +179,6 @@ impl Default for Quirks {
         Quirks {
             stray_ok: true,
             crlf_twice: true,
-            silent_overflow: true,
             eeprom_byte_loss: false,
             check_writes: true,
             jog_to_zero: true,

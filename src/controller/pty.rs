@@ -1,7 +1,7 @@
 //! A front for the simulated controller: a real pseudo-terminal that programs open like any serial device.
 //!
 //! Raw, without echo; any baud rate is taken and means nothing. Opening it restarts the controller, as opening the port of an Arduino
-//! does (DTR); closing it leaves the controller to what it was doing. The kernel lets one program at a time have it if that program asks
+//! does (DTR), unless it is opened again within the few milliseconds in which the closing is not seen; closing it leaves the controller to what it was doing. The kernel lets one program at a time have it if that program asks
 //! for it (`TIOCEXCL`, as most senders do).
 
 use super::front::{Front, Heard, News, Pace, Pipe, Readout};

@@ -1,5 +1,6 @@
 //! Real-time commands: flags, not counters, looked at between steps.
 
+use super::execute::RESUMING;
 use super::{Controller, Deaf, Mode, NO_OVERRIDES, Suspend};
 use crate::kinematics::Overrides;
 use crate::wire::Realtime;
@@ -29,14 +30,42 @@ impl Flags {
     }
 }
 
+impl Flags {
+    /// How long the main loop is busy with these on a timed line, s.
+    fn seconds_to_serve(&self) -> f64 {
+        let longest = self.0.iter().map(|flag| match flag {
+            Realtime::Status => 0.0015,
+            Realtime::FeedNormal
+            | Realtime::FeedPlus10
+            | Realtime::FeedMinus10
+            | Realtime::FeedPlus1
+            | Realtime::FeedMinus1
+            | Realtime::RapidFull
+            | Realtime::RapidHalf
+            | Realtime::RapidQuarter => 0.000252,
+            _ => 0.00005,
+        });
+        longest.fold(0.0, f64::max)
+    }
+}
+
 impl Controller {
     /// Serves what has arrived, unless the firmware is deaf.
     pub(super) fn serve_flags(&mut self) {
         if self.deaf != Deaf::No || self.dead || self.flags.0.is_empty() {
             return;
         }
+        if self.homing.is_some() {
+            // Nothing but the door is looked at now; the rest waits.
+            if self.flags.0.contains(&Realtime::Door) {
+                self.flags.0.retain(|f| *f != Realtime::Door);
+                self.homing_failed(7);
+            }
+            return;
+        }
+        self.think(self.flags.seconds_to_serve());
         let flags = std::mem::take(&mut self.flags.0);
-        if flags.contains(&Realtime::Status) && self.mode != Mode::Home {
+        if flags.contains(&Realtime::Status) {
             self.report_status();
         }
         for flag in &flags {
@@ -44,13 +73,13 @@ impl Controller {
                 Realtime::Hold => self.hold(),
                 Realtime::Door => self.door(),
                 // Hold and resume in one look: the hold wins.
-                Realtime::Resume if !flags.contains(&Realtime::Hold) => self.resume(),
-                Realtime::JogCancel if self.mode == Mode::Jog => self.cancel_jog(),
-                Realtime::SpindleStop
-                    if self.suspend == Suspend::Hold
-                        && !self.motion.going()
-                        && self.spindle != 0 =>
+                Realtime::Resume
+                    if !flags.contains(&Realtime::Hold) && !flags.contains(&Realtime::Door) =>
                 {
+                    self.resume()
+                }
+                Realtime::JogCancel if self.mode == Mode::Jog => self.cancel_jog(),
+                Realtime::SpindleStop if self.suspend == Suspend::Hold && self.spindle != 0 => {
                     if self.spindle_stopped {
                         self.say("[MSG:Restoring spindle]");
                     }
@@ -60,7 +89,8 @@ impl Controller {
                 Realtime::Flood
                     if !matches!(self.mode, Mode::Alarm | Mode::Check | Mode::Sleep) =>
                 {
-                    self.parser.flood = !self.parser.flood;
+                    self.flood = !self.flood;
+                    self.parser.flood = self.flood;
                     self.overrides_in = 0;
                 }
                 _ => {}
@@ -120,6 +150,11 @@ impl Controller {
             Mode::Jog => self.cancel_jog(),
             Mode::Normal if self.suspend == Suspend::None => {
                 self.suspend = Suspend::Hold;
+                if self.memory.is_on(32) && self.spindle != 0 {
+                    // A standing beam would burn.
+                    self.spindle_stopped = true;
+                    self.overrides_in = 0;
+                }
                 self.motion.hold();
             }
             _ => {}
@@ -127,14 +162,15 @@ impl Controller {
     }
 
     fn door(&mut self) {
-        if matches!(
-            self.mode,
-            Mode::Alarm | Mode::Check | Mode::Sleep | Mode::Home
-        ) || self.suspend == Suspend::Door
-        {
+        if matches!(self.mode, Mode::Alarm | Mode::Check | Mode::Home) {
             return;
         }
         self.say("[MSG:Check Door]");
+        if self.mode == Mode::Sleep {
+            return;
+        }
+        self.spindle_stopped = false;
+        self.overrides_in = 0;
         if self.mode == Mode::Jog {
             self.cancel_jog();
         }
@@ -145,18 +181,29 @@ impl Controller {
     fn resume(&mut self) {
         // Ignored until the axes stand still; the sender has to send it again.
         if self.motion.going() {
+            if !self.build.quirks.resume_lost && self.suspend == Suspend::Hold {
+                self.flags.set(Realtime::Resume);
+            }
             return;
         }
         match self.suspend {
             Suspend::Hold => {
                 self.suspend = Suspend::None;
-                self.spindle_stopped = false;
+                if std::mem::take(&mut self.spindle_stopped) {
+                    self.say("[MSG:Restoring spindle]");
+                    self.overrides_in = 0;
+                }
                 self.motion.release();
             }
             Suspend::Door => {
-                let spindle = if self.spindle != 0 { 4.0 } else { 0.0 };
-                let coolant = if self.parser.flood { 1.0 } else { 0.0 };
-                self.suspend = Suspend::DoorResuming(self.now + spindle + coolant);
+                if self.door_ajar() {
+                    return;
+                }
+                let (spindle, coolant) = RESUMING;
+                self.suspend = Suspend::DoorResuming {
+                    spindle: spindle * u32::from(self.spindle != 0),
+                    coolant: coolant * u32::from(self.flood),
+                };
             }
             _ => {}
         }

@@ -222,6 +222,9 @@ mod tests {
         // It thinks it stands at zero: this goes to 30.
         r.feed(b"G0X10\n");
         r.advance(5.0);
-        assert_eq!(ends(&r.take_drive()).last().unwrap().0, "30.000 0.000 0.000");
+        assert_eq!(
+            ends(&r.take_drive()).last().unwrap().0,
+            "30.000 0.000 0.000"
+        );
     }
 }

@@ -1,8 +1,25 @@
 //! What the controller says about itself: status reports and the answers to `$$`, `$#`, `$G`, `$I`, `$N`.
 
-use super::{Controller, Mode, Suspend};
+use super::execute::RESUMING;
+use super::{Build, Controller, Mode, Suspend};
 use crate::gcode::{Distance, FeedMode, MotionMode, Plane, Units};
 use crate::wire::{Buffer, DoorPhase, Overrides, Position, State, Status};
+
+/// A figure as the firmware prints it: it counts in single precision and rounds halves up. Negative zero becomes a plain one.
+pub(super) fn as_printed(value: f64, decimals: u32) -> f64 {
+    let scale = 10f32.powi(decimals as i32);
+    let whole = ((value.abs() as f32) * scale + 0.5).floor();
+    // What does not fit the firmware's integer is shown as it is.
+    if whole.is_nan() || whole >= 2_147_483_648.0 {
+        return value;
+    }
+    let printed = f64::from(whole) / f64::from(scale);
+    if value < 0.0 && printed > 0.0 {
+        -printed
+    } else {
+        printed
+    }
+}
 
 impl Controller {
     pub(super) fn inches(&self) -> bool {
@@ -16,7 +33,8 @@ impl Controller {
 
     fn triple(&self, v: [f64; 3]) -> String {
         // Adding zero turns a negative zero into a plain one.
-        let v = v.map(|c| self.shown(c) + 0.0);
+        let decimals = if self.inches() { 4 } else { 3 };
+        let v = v.map(|c| as_printed(self.shown(c), decimals));
         if self.inches() {
             format!("{:.4},{:.4},{:.4}", v[0], v[1], v[2])
         } else {
@@ -31,12 +49,13 @@ impl Controller {
             (Mode::Alarm, _) => State::Alarm,
             (Mode::Check, _) => State::Check,
             (Mode::Home, _) => State::Home,
-            (_, Suspend::Door) => State::Door(if moving {
-                DoorPhase::Stopping
-            } else {
-                DoorPhase::Closed
+            (Mode::Jog, Suspend::Door) if moving => State::Jog,
+            (_, Suspend::Door) => State::Door(match (moving, self.door_ajar()) {
+                (true, _) => DoorPhase::Stopping,
+                (_, true) => DoorPhase::Ajar,
+                _ => DoorPhase::Closed,
             }),
-            (_, Suspend::DoorResuming(_)) => State::Door(DoorPhase::Resuming),
+            (_, Suspend::DoorResuming { .. }) => State::Door(DoorPhase::Resuming),
             (_, Suspend::Hold) => State::Hold { at_rest: !moving },
             (Mode::Jog, _) => State::Jog,
             (Mode::Normal, _) if moving => State::Run,
@@ -56,15 +75,18 @@ impl Controller {
 
     pub(super) fn report_status(&mut self) {
         let mut status = Status::new(self.state());
+        // The offset of the line read last, whether or not the axes have come that far.
+        let offset = self.parser.offset();
+        let offset = [offset.x, offset.y, offset.z];
+        let decimals = if self.inches() { 4 } else { 3 };
+        let written = |mm: f64| as_printed(self.shown(mm), decimals);
         let place = self.position_in_steps();
         let place = [place.x, place.y, place.z];
         let mask = self.memory.get(10) as u32;
         status.position = Some(if mask & 1 == 1 {
-            Position::Machine(place.map(|c| self.shown(c)))
+            Position::Machine(place.map(written))
         } else {
-            Position::Work(std::array::from_fn(|i| {
-                self.shown(place[i] - self.offset[i])
-            }))
+            Position::Work(std::array::from_fn(|i| written(place[i] - offset[i])))
         });
         if mask & 2 == 2 {
             status.buffer = Some(Buffer {
@@ -72,18 +94,12 @@ impl Controller {
                 bytes: self.intake.free(),
             });
         }
-        status.feed = Some(self.shown(self.motion.speed() * 60.0));
+        let decimals = if self.inches() { 1 } else { 0 };
+        status.feed = Some(as_printed(self.shown(self.motion.speed() * 60.0), decimals));
         // In laser mode the beam is off unless the axes move.
-        let dark = self.memory.is_on(32) && !self.motion.going();
-        let turning = self.spindle != 0
-            && !dark
-            && !self.spindle_stopped
-            && !matches!(self.suspend, Suspend::Door);
-        status.speed = Some(if turning {
-            self.rpm * f64::from(self.percent.spindle) / 100.0
-        } else {
-            0.0
-        });
+        let rpm = self.turning_rpm();
+        let turning = rpm > 0.0;
+        status.speed = Some(as_printed(rpm, 0));
 
         self.report_pins(&mut status);
         let busy = matches!(
@@ -96,7 +112,8 @@ impl Controller {
             self.wco_in = if busy { 29 } else { 9 };
             // Overrides never ride in the same report as the offset: it would grow too long.
             self.overrides_in = self.overrides_in.max(1);
-            status.work_offset = Some(self.offset.map(|c| self.shown(c)));
+            let decimals = if self.inches() { 4 } else { 3 };
+            status.work_offset = Some(offset.map(|c| as_printed(self.shown(c), decimals)));
         }
         if self.overrides_in > 0 {
             self.overrides_in -= 1;
@@ -113,12 +130,39 @@ impl Controller {
                     .accessories
                     .push(if self.spindle > 0 { 'S' } else { 'C' });
             }
-            if self.parser.flood {
+            let resuming = matches!(self.suspend, Suspend::DoorResuming { coolant, .. } if coolant == RESUMING.1);
+            if self.flood && self.suspend != Suspend::Door && !resuming {
                 status.accessories.push('F');
             }
         }
         let line = status.write(self.inches());
         self.say(&line);
+    }
+
+    /// What the spindle turns with now, overridden and clamped; in laser mode, the beam.
+    fn turning_rpm(&self) -> f64 {
+        let moving = self.motion.going();
+        let feeding = matches!(
+            self.parser.motion,
+            MotionMode::Linear | MotionMode::ArcClockwise | MotionMode::ArcCounterclockwise
+        );
+        let dark = self.memory.is_on(32)
+            && match self.spindle {
+                // Constant power shines while feeds are in force, the other only while they move.
+                1 => !feeding,
+                _ => !moving || (!feeding && self.mode != Mode::Jog),
+            };
+        let off = self.spindle == 0
+            || dark
+            || (self.spindle_stopped && !moving)
+            || self.suspend == Suspend::Door;
+        let rpm = self.rpm * f64::from(self.percent.spindle) / 100.0;
+        let (least, most) = (self.memory.get(31), self.memory.get(30));
+        match off || rpm <= 0.0 {
+            true => 0.0,
+            false if least >= most || rpm >= most => most,
+            false => rpm.max(least),
+        }
     }
 
     fn report_pins(&self, status: &mut Status) {
@@ -174,15 +218,15 @@ impl Controller {
         };
         let coolant = if p.flood { "M8" } else { "M9" };
         let feed = if self.inches() {
-            format!("{:.1}", p.feed.0 / 25.4)
+            format!("{:.1}", as_printed(p.feed.0 / 25.4, 1))
         } else {
-            format!("{:.0}", p.feed.0)
+            format!("{:.0}", as_printed(p.feed.0, 0))
         };
         let line = format!(
             "[GC:{motion} G{} {plane} {units} {distance} {feed_mode} {spindle} {coolant} T{} F{feed} S{:.0}]",
             54 + p.work_offset,
             p.tool,
-            p.speed.0
+            as_printed(p.speed.0, 0)
         );
         self.say(&line);
     }
@@ -222,9 +266,14 @@ impl Controller {
     }
 
     pub(super) fn report_build(&mut self) {
-        let line = format!("[VER:1.1h.20190830:{}]", self.memory.build_text);
-        self.say(&line);
-        let line = format!("[OPT:V,{},{}]", self.build.blocks, self.build.rx_bytes);
-        self.say(&line);
+        let Build {
+            blocks,
+            rx_bytes,
+            profile,
+            ..
+        } = self.build;
+        for line in profile.build_info(&self.memory.build_text, blocks, rx_bytes) {
+            self.say(&line);
+        }
     }
 }

@@ -89,7 +89,10 @@ impl Script {
             let result = if lines.len() < MOST_LINES {
                 line(&words)
             } else {
-                Err((0, format!("more than {MOST_LINES} lines: no rehearsal needs as many")))
+                Err((
+                    0,
+                    format!("more than {MOST_LINES} lines: no rehearsal needs as many"),
+                ))
             };
             match result {
                 Ok(l) => lines.push(l),
@@ -197,24 +200,52 @@ fn line(words: &[(usize, &str)]) -> Result<Line, Complaint> {
             let axis = AXES
                 .iter()
                 .position(|a| a.eq_ignore_ascii_case(axis))
-                .ok_or_else(|| (*at, format!("\"{axis}\" is no axis: write limit x, limit y or limit z")))?;
+                .ok_or_else(|| {
+                    (
+                        *at,
+                        format!("\"{axis}\" is no axis: write limit x, limit y or limit z"),
+                    )
+                })?;
             (Pin::Limit(axis), rest)
         }
-        ("limit", []) => return Err((end, "which axis? Write limit x, limit y or limit z".to_string())),
+        ("limit", []) => {
+            return Err((
+                end,
+                "which axis? Write limit x, limit y or limit z".to_string(),
+            ));
+        }
         ("probe", rest) => (Pin::Probe, rest),
         ("door", rest) => (Pin::Door, rest),
         ("hold", rest) => (Pin::Hold, rest),
         ("reset", rest) => (Pin::Reset, rest),
         ("start", rest) => (Pin::Start, rest),
         (other, _) => {
-            let near = nearest(other, PINS).map_or(String::new(), |n| format!(" (did you mean {n}?)"));
-            return Err((*at, format!("\"{name}\" is no pin{near}: write one of {}", PINS.join(", "))));
+            let near =
+                nearest(other, PINS).map_or(String::new(), |n| format!(" (did you mean {n}?)"));
+            return Err((
+                *at,
+                format!(
+                    "\"{name}\" is no pin{near}: write one of {}",
+                    PINS.join(", ")
+                ),
+            ));
         }
     };
     match rest {
-        [(_, state)] if state.eq_ignore_ascii_case("on") => Ok(Line { when, pin, on: true }),
-        [(_, state)] if state.eq_ignore_ascii_case("off") => Ok(Line { when, pin, on: false }),
-        [(at, state), ..] => Err((*at, format!("\"{state}\" is no state: the line ends with on or off"))),
+        [(_, state)] if state.eq_ignore_ascii_case("on") => Ok(Line {
+            when,
+            pin,
+            on: true,
+        }),
+        [(_, state)] if state.eq_ignore_ascii_case("off") => Ok(Line {
+            when,
+            pin,
+            on: false,
+        }),
+        [(at, state), ..] => Err((
+            *at,
+            format!("\"{state}\" is no state: the line ends with on or off"),
+        )),
         [] => Err((end, "on or off? The line ends with one of them".to_string())),
     }
 }
@@ -222,10 +253,16 @@ fn line(words: &[(usize, &str)]) -> Result<Line, Complaint> {
 /// `Z<-5`, `X>100`.
 fn place_of(text: &str) -> Option<When> {
     let at = text.find(['<', '>'])?;
-    let axis = AXES.iter().position(|a| text.get(..at).is_some_and(|t| t.eq_ignore_ascii_case(a)))?;
+    let axis = AXES
+        .iter()
+        .position(|a| text.get(..at).is_some_and(|t| t.eq_ignore_ascii_case(a)))?;
     let v: f64 = text.get(at + 1..)?.parse().ok()?;
     let below = text.as_bytes().get(at) == Some(&b'<');
-    v.is_finite().then_some(if below { When::Below(axis, v) } else { When::Above(axis, v) })
+    v.is_finite().then_some(if below {
+        When::Below(axis, v)
+    } else {
+        When::Above(axis, v)
+    })
 }
 
 #[cfg(test)]
@@ -254,19 +291,56 @@ mod tests {
     #[test]
     fn what_cannot_be_read_is_said_with_its_place() {
         for (text, said) in [
-            ("soon probe on", "p:1:1: \"soon\" is no time: write e.g. 12.5s, 200ms, or at Z<-5"),
-            ("at Z=5 probe on", "p:1:4: \"Z=5\" is no place: write e.g. Z<-5 or X>100 (machine coordinates, mm)"),
-            ("at", "p:1:1: after \"at\" comes a place, e.g. at Z<-5 probe on"),
-            ("\n  1s", "p:2:5: which pin? One of limit, probe, door, hold, reset, start"),
-            ("1s limit", "p:1:9: which axis? Write limit x, limit y or limit z"),
-            ("1s limit a on", "p:1:10: \"a\" is no axis: write limit x, limit y or limit z"),
-            ("1s prob on", "p:1:4: \"prob\" is no pin (did you mean probe?): write one of limit, probe, door, hold, reset, start"),
-            ("1s probe", "p:1:9: on or off? The line ends with one of them"),
-            ("1s probe closed", "p:1:10: \"closed\" is no state: the line ends with on or off"),
-            ("1s probe on now", "p:1:10: \"on\" is no state: the line ends with on or off"),
-            ("-1s probe on\n1s probe on\nx", "p:1:1: \"-1s\" is no time: write e.g. 12.5s, 200ms, or at Z<-5\np:3:1: \"x\" is no time: write e.g. 12.5s, 200ms, or at Z<-5"),
+            (
+                "soon probe on",
+                "p:1:1: \"soon\" is no time: write e.g. 12.5s, 200ms, or at Z<-5",
+            ),
+            (
+                "at Z=5 probe on",
+                "p:1:4: \"Z=5\" is no place: write e.g. Z<-5 or X>100 (machine coordinates, mm)",
+            ),
+            (
+                "at",
+                "p:1:1: after \"at\" comes a place, e.g. at Z<-5 probe on",
+            ),
+            (
+                "\n  1s",
+                "p:2:5: which pin? One of limit, probe, door, hold, reset, start",
+            ),
+            (
+                "1s limit",
+                "p:1:9: which axis? Write limit x, limit y or limit z",
+            ),
+            (
+                "1s limit a on",
+                "p:1:10: \"a\" is no axis: write limit x, limit y or limit z",
+            ),
+            (
+                "1s prob on",
+                "p:1:4: \"prob\" is no pin (did you mean probe?): write one of limit, probe, door, hold, reset, start",
+            ),
+            (
+                "1s probe",
+                "p:1:9: on or off? The line ends with one of them",
+            ),
+            (
+                "1s probe closed",
+                "p:1:10: \"closed\" is no state: the line ends with on or off",
+            ),
+            (
+                "1s probe on now",
+                "p:1:10: \"on\" is no state: the line ends with on or off",
+            ),
+            (
+                "-1s probe on\n1s probe on\nx",
+                "p:1:1: \"-1s\" is no time: write e.g. 12.5s, 200ms, or at Z<-5\np:3:1: \"x\" is no time: write e.g. 12.5s, 200ms, or at Z<-5",
+            ),
         ] {
-            assert_eq!(Script::read("p", text).unwrap_err().to_string(), said, "{text:?}");
+            assert_eq!(
+                Script::read("p", text).unwrap_err().to_string(),
+                said,
+                "{text:?}"
+            );
         }
     }
 

@@ -1,5 +1,6 @@
 //! The `$n=value` memory and what survives a power cycle beside it.
 
+use super::report::as_printed;
 use crate::gcode::State as Parser;
 use crate::geom::{Point, Vector};
 use crate::kinematics::Settings;
@@ -204,8 +205,8 @@ impl Memory {
             .iter()
             .zip(&self.values)
             .map(|((number, kind, _), value)| match kind {
-                Kind::Decimal => format!("${number}={value:.3}"),
-                _ => format!("${number}={value:.0}"),
+                Kind::Decimal => format!("${number}={:.3}", as_printed(*value, 3)),
+                _ => format!("${number}={:.0}", as_printed(*value, 0)),
             })
             .collect()
     }

@@ -2,15 +2,16 @@
 
 use super::{Controller, Deaf, Mode, Suspend};
 use crate::gcode::State as Parser;
+use crate::geom::Point;
 use crate::wire::Realtime;
 
-/// How near to a switch counts as on it, steps.
-const ON_IT: f64 = 1e-6;
+/// Steps are whole; this is the rounding that comparing them allows.
+const ON_IT: f64 = 0.5;
 
 impl Controller {
     /// Limit pins as wired, before `$5`.
     pub(super) fn limit_pins(&self) -> [bool; 3] {
-        let place = self.position();
+        let place = self.counted_position();
         let steps_per_mm = self.memory.axes(100);
         let [xl, xh, yl, yh, zl, zh] = self.switches.limits;
         let ends = [(xl, xh), (yl, yh), (zl, zh)];
@@ -31,7 +32,7 @@ impl Controller {
 
     /// The probe as the firmware understands it.
     pub(super) fn probe_active(&self) -> bool {
-        let steps = (self.position().z + self.bench.z) * self.memory.get(102);
+        let steps = (self.counted_position().z + self.bench.z) * self.memory.get(102);
         let touches = self
             .switches
             .probe_z
@@ -62,11 +63,27 @@ impl Controller {
         limits
             .chain([probe])
             .filter_map(|(end, at)| {
-                let axis = end / 2;
-                let place = (*at)? as f64 / steps_per_mm[axis] - self.bench[axis];
-                self.motion.reach(axis, place)
+                let (axis, at) = (end / 2, (*at)? as f64);
+                // Closed on that very step, open on the next one.
+                let open = if end % 2 == 0 { at + 1.0 } else { at - 1.0 };
+                [at, open]
+                    .into_iter()
+                    .filter_map(|steps| {
+                        let place = steps / steps_per_mm[axis] - self.bench[axis];
+                        self.motion.reach(axis, place)
+                    })
+                    .reduce(f64::min)
             })
             .reduce(f64::min)
+    }
+
+    /// Where the axes are in whole steps.
+    fn counted_position(&self) -> Point {
+        let counted = self.motion.position_in_steps();
+        match &self.homing {
+            Some(homing) => homing.position(&counted),
+            None => counted,
+        }
     }
 
     /// Notices what has changed on the pins since the last look.
@@ -109,8 +126,7 @@ impl Controller {
         self.motion.abort();
         self.probing = None;
         self.suspend = Suspend::None;
-        self.spindle = 0;
-        self.parser.flood = false;
+        (self.spindle, self.flood) = (0, false);
         self.alarm(1);
     }
 

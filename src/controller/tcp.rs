@@ -25,7 +25,9 @@ pub enum TcpError {
     )]
     Remote(String),
     /// The system refused.
-    #[error("--tcp {0}: cannot listen: {1}. Is another program using that port? Port 0 takes any free one")]
+    #[error(
+        "--tcp {0}: cannot listen: {1}. Is another program using that port? Port 0 takes any free one"
+    )]
     Listen(String, std::io::Error),
     /// No thread could be started.
     #[error("the simulated controller's thread did not start: {0}")]

@@ -216,7 +216,7 @@ impl Block {
         let key = match (rules.firmware, whole) {
             // GRBL does not look at the fraction of G49.
             (true, 49) => Some(4900),
-            (true, _) => u32::try_from(i64::from(whole) * 100 + hundredths).ok(),
+            (true, _) => u32::try_from((i64::from(whole) * 100).saturating_add(hundredths)).ok(),
             (false, _) => hundredths_of(word.value),
         };
         let meaning = key.and_then(|k| rules.g(k));

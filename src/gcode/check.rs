@@ -315,6 +315,9 @@ pub(super) fn check(state: &State, block: &Block, line: Line) -> Result<Plan, Fa
     }
 
     let distance = block.distance.unwrap_or(state.distance);
+    if machine && dialect == Dialect::LinuxCnc && distance == Distance::Incremental {
+        return at_group(Group::NonModal, RuleComplaint::MachineIncremental.into());
+    }
     if machine && rules.machine_rapid {
         if motion != MotionMode::Rapid {
             return at_group(Group::NonModal, RuleComplaint::MachineIsRapid.into());
@@ -617,7 +620,8 @@ fn tool_length(
                 return fault(Some(b'H'), Complaint::WholeNumber { letter, least });
             }
             unused.take(b"H");
-            state.tlo
+            // The table's length takes the place of a length given by its value; the program's Z is then the tool's tip.
+            0.0
         }
     })
 }

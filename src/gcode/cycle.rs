@@ -74,6 +74,10 @@ pub(super) struct CycleRules {
     /// NIST's way: a tool below R is lifted first, words hold for one cycle only, an axis word is needed. Otherwise the industry's: words hold
     /// until G80, a block without X Y Z R keeps its words and drills nothing.
     pub nist: bool,
+    /// LinuxCNC's way with levels: all are counted from the one that the series started from. The tool is lifted first where *that* level
+    /// is below R; the way to the next hole goes straight to the higher of where the tool stands and where it shall return to, so it
+    /// slants where R was raised within a series (seen on the interpreter itself, 2.10).
+    pub from_series: bool,
     pub pecking: Pecking,
     /// How far G73 and G83 back off, mm.
     pub back: f64,
@@ -86,6 +90,7 @@ pub(super) struct CycleRules {
 impl CycleRules {
     pub const NIST: CycleRules = CycleRules {
         nist: true,
+        from_series: false,
         pecking: Pecking::Return,
         back: 0.254,
         repeats: b"L",
@@ -93,6 +98,7 @@ impl CycleRules {
     };
     pub const INDUSTRY: CycleRules = CycleRules {
         nist: false,
+        from_series: false,
         pecking: Pecking::Return,
         back: 1.0,
         repeats: b"K",
@@ -111,7 +117,9 @@ pub(super) struct Holes {
     /// X and Y from hole to hole.
     step: Vector,
     count: u32,
-    /// Level of the ways between holes: in front of the first, and behind each.
+    /// Level to lift to before anything else.
+    lift: Option<f64>,
+    /// Level of the way to the first hole.
     level: f64,
     clear: f64,
     r: f64,
@@ -293,7 +301,10 @@ pub(super) fn plan(
     if matches!(rules.pecking, Pecking::GrblHal { .. }) {
         series.initial = start.z;
     }
-    let from = if rules.nist { start.z } else { series.initial };
+    let from = match rules.nist && !rules.from_series {
+        true => start.z,
+        false => series.initial,
+    };
     let (r, bottom) = match setting.distance {
         Distance::Absolute => (r, z),
         Distance::Incremental => (from + r, from + r + z),
@@ -302,11 +313,16 @@ pub(super) fn plan(
         return here(RuleComplaint::CycleUpward { bottom, r });
     }
     let mut level = start.z;
-    if level < r - 1e-9 {
+    let mut lift = None;
+    if rules.from_series {
+        if series.initial < r {
+            (lift, level) = (Some(r), r);
+        }
+    } else if level < r - 1e-9 {
         if !rules.nist {
             return here(RuleComplaint::CycleLevel { r, level });
         }
-        level = r;
+        (lift, level) = (Some(r), r);
     }
     let number = if pecks {
         let number = ((r - bottom) / q - 1e-9).ceil().max(1.0);
@@ -335,11 +351,15 @@ pub(super) fn plan(
         Retract::Initial => series.initial.max(r),
         Retract::R => r,
     };
+    if rules.from_series {
+        level = level.max(clear);
+    }
     let holes = Holes {
         cycle,
         first: Point::new(setting.to.x, setting.to.y, level),
         step,
         count,
+        lift,
         level,
         clear,
         r,
@@ -427,7 +447,9 @@ pub(super) fn drill(
         feed: holes.feed,
         line,
     };
-    d.go(Rapid, before.x, before.y, holes.level);
+    if let Some(lift) = holes.lift {
+        d.go(Rapid, before.x, before.y, lift);
+    }
     let mut level = holes.level;
     for n in 0..holes.count {
         let at = holes.first + holes.step * f64::from(n);

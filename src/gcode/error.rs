@@ -12,7 +12,7 @@ use super::word::MAX_COLUMN;
 
 /// A mistake in a program: line and column (characters, both from 1) and what is wrong there.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{line}:{column} {complaint}")]
+#[error("{line}:{column} {}", shortened(complaint))]
 pub struct InterpretError {
     /// Line of the program, from 1.
     pub line: usize,
@@ -20,6 +20,28 @@ pub struct InterpretError {
     pub column: usize,
     /// What is wrong.
     pub complaint: Complaint,
+}
+
+/// Characters of a complaint that are shown: far more than any of ours has, unless it repeats a name as long as a book.
+const LONGEST_SHOWN: usize = 1000;
+
+/// A complaint's text without the middle that nobody would read: what is wrong and what to do stand at its ends.
+fn shortened(complaint: &Complaint) -> String {
+    let text = complaint.to_string();
+    let end = |n: usize| text.char_indices().nth(n).map(|(at, _)| at);
+    let half = LONGEST_SHOWN / 2;
+    let tail = text.char_indices().nth_back(half - 1).map(|(at, _)| at);
+    match (end(LONGEST_SHOWN), end(half), tail) {
+        (Some(_), Some(head), Some(tail)) => {
+            let (head, tail) = (text.get(..head), text.get(tail..));
+            format!(
+                "{} ... {}",
+                head.unwrap_or_default(),
+                tail.unwrap_or_default()
+            )
+        }
+        _ => text,
+    }
 }
 
 /// A word's code as written: `G` 38.2, `M` 6.

@@ -87,7 +87,7 @@ pub enum Event {
         /// Line of the program, from 1.
         line: usize,
     },
-    /// M6.
+    /// M6. The spindle stands still behind it, whether or not it was told to.
     ToolChange {
         /// Tool number.
         tool: u32,

@@ -6,6 +6,7 @@
 //! controller: simulated and real hardware differ by nothing but the port.
 
 pub mod command;
+pub mod errand;
 pub mod drive;
 pub mod introduction;
 pub mod job;

@@ -12,6 +12,8 @@ const GRBL_STEPS_PER_S: f64 = 40_000.0;
 const MOST_ACCELERATION: f64 = 30_000.0;
 /// Spindles faster than this drive no mills, rpm.
 const FASTEST_SPINDLE: f64 = 100_000.0;
+/// No axis of any mill is shorter, mm.
+const SHORTEST_TRAVEL: f64 = 15.0;
 const AXES: [char; 3] = ['X', 'Y', 'Z'];
 
 /// A warning about a key, with its place in `text`, which complaints call `file`.
@@ -40,7 +42,15 @@ pub fn of(m: &Machine, file: &str, text: &str) -> Vec<String> {
     for (i, axis) in AXES.iter().enumerate() {
         let (speed, a) = (m.max_rate[i].mm_per_s(), m.acceleration[i].0);
         let needed = speed * speed / a;
-        if needed > m.travel[i].0 {
+        if m.travel[i].0 < SHORTEST_TRAVEL {
+            warn(
+                "travel_mm",
+                format!(
+                    "axis {axis} goes {} mm: is it in mm, and not in inches or metres?",
+                    m.travel[i].0
+                ),
+            );
+        } else if needed > m.travel[i].0 {
             warn(
                 "acceleration_mm_per_s2",
                 format!(
@@ -138,6 +148,13 @@ mod tests {
         assert!(
             w.len() == 1 && w[0].contains("240000 rpm is more than any mill turns"),
             "{w:?}"
+        );
+        let w = told("[284, 180, 40]", "[11.2, 180, 40]");
+        assert_eq!(
+            w,
+            [
+                "m.toml:8:1: warning: travel_mm: axis X goes 11.2 mm: is it in mm, and not in inches or metres?"
+            ]
         );
         let w = told("post = \"grbl\"", "post = \"fanuc\"");
         assert_eq!(

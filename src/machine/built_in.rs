@@ -1,7 +1,11 @@
 //! The machines that come with the program.
 
 /// Name and text of each file in `machines/`, by rising name.
-pub const BUILT_IN: [(&str, &str); 26] = [
+pub const BUILT_IN: [(&str, &str); 29] = [
+    (
+        "acroloc-s10-centroid",
+        include_str!("../../machines/acroloc-s10-centroid.toml"),
+    ),
     (
         "altmill-4x4",
         include_str!("../../machines/altmill-4x4.toml"),
@@ -56,6 +60,10 @@ pub const BUILT_IN: [(&str, &str); 26] = [
         include_str!("../../machines/othermill-v2.toml"),
     ),
     (
+        "portal-router-planetcnc",
+        include_str!("../../machines/portal-router-planetcnc.toml"),
+    ),
+    (
         "robodrill-d21mib5",
         include_str!("../../machines/robodrill-d21mib5.toml"),
     ),
@@ -70,6 +78,10 @@ pub const BUILT_IN: [(&str, &str); 26] = [
     (
         "sherline-5400",
         include_str!("../../machines/sherline-5400.toml"),
+    ),
+    (
+        "sorotec-basic-0605-edingcnc",
+        include_str!("../../machines/sorotec-basic-0605-edingcnc.toml"),
     ),
     (
         "stepcraft-d840-uccnc",

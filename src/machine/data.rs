@@ -188,10 +188,15 @@ impl<'a> Reader<'a> {
                 key: key.clone(),
                 folder: self.folder.to_string(),
             },
-            _ => DataError::Syntax {
-                at,
-                message: shortened(&plain(message), 10 * LONGEST_SHOWN),
-            },
+            _ => {
+                let line = self.text.lines().nth(at.line.saturating_sub(1));
+                let line = shortened(line.unwrap_or_default(), 20 * LONGEST_SHOWN);
+                let message = super::plain::plain(message, &line, at.column);
+                DataError::Syntax {
+                    at,
+                    message: shortened(&message, 10 * LONGEST_SHOWN),
+                }
+            }
         }
     }
 
@@ -278,15 +283,6 @@ fn shortened(text: &str, most: usize) -> String {
     }
 }
 
-/// serde's names for kinds of values in a machinist's words.
-fn plain(message: &str) -> String {
-    message
-        .replace("expected f64", "expected a number")
-        .replace("floating point", "number")
-        .replace("an array of length", "a list of length")
-        .replace("a sequence", "a list")
-}
-
 /// The text and name behind `name_or_path`: a file when it contains a `/` or ends in `.toml`; else `NAME.toml` in the user's own
 /// directories ([`super::search`]), else one of `built_in` (name, text). Returns the short name, the name for complaints, and the text.
 pub fn find(
@@ -314,15 +310,26 @@ pub fn nearest<'k>(word: &str, known: impl IntoIterator<Item = &'k str>) -> Opti
     let mut best: Option<(usize, &str)> = None;
     for k in known {
         let lower = k.to_lowercase();
-        let d = edits(&word, &lower);
+        // Letters that changed places ("xz" for "zx") are the likeliest slip.
+        let d = 2 * edits(&word, &lower) - usize::from(swapped(&word, &lower));
         // A forgotten suffix ("travel" for "travel_mm") counts as a slip too.
-        let close = d <= 1 + word.chars().count().max(k.chars().count()) / 3
+        let close = d / 2 <= 1 + word.chars().count().max(k.chars().count()) / 3
             || (!word.is_empty() && lower.starts_with(&word));
         if close && best.is_none_or(|(b, _)| d < b) {
             best = Some((d, k));
         }
     }
     best.map(|(_, k)| k.to_string())
+}
+
+/// True for two words of the same letters in another order.
+fn swapped(a: &str, b: &str) -> bool {
+    let sorted = |t: &str| {
+        let mut letters: Vec<char> = t.chars().collect();
+        letters.sort_unstable();
+        letters
+    };
+    a != b && a.len() == b.len() && sorted(a) == sorted(b)
 }
 
 /// Levenshtein distance: insertions, deletions and replacements of one character from `a` to `b`.

@@ -3,6 +3,7 @@
 use super::Machine;
 use super::data::{Bounds, DataError, Reader};
 use super::family::{CONTROLLERS, Family, Kind, Need, OPTIONAL_KEYS, STAND_IN, need};
+use super::row::Row;
 use crate::units::{Mm, MmPerMin, MmPerSec2, Rpm};
 use serde::Deserialize;
 use toml::Spanned;
@@ -14,16 +15,16 @@ struct File {
     title: Spanned<String>,
     controller: Spanned<String>,
     post: Spanned<String>,
-    travel_mm: [Spanned<f64>; 3],
-    max_rate_mm_per_min: [Spanned<f64>; 3],
+    travel_mm: Row<3>,
+    max_rate_mm_per_min: Row<3>,
     max_feed_mm_per_min: Option<Spanned<f64>>,
-    acceleration_mm_per_s2: [Spanned<f64>; 3],
-    steps_per_mm: Option<Spanned<[Spanned<f64>; 3]>>,
+    acceleration_mm_per_s2: Row<3>,
+    steps_per_mm: Option<Spanned<Row<3>>>,
     junction_deviation_mm: Option<Spanned<f64>>,
     arc_tolerance_mm: Option<Spanned<f64>>,
     planner_blocks: Option<Spanned<f64>>,
     rx_buffer_bytes: Option<Spanned<f64>>,
-    spindle_rpm: [Spanned<f64>; 2],
+    spindle_rpm: Row<2>,
     baud: Option<Spanned<f64>>,
 }
 
@@ -62,12 +63,12 @@ pub(super) fn read(name: &str, file: &str, text: &str) -> Result<Machine, DataEr
         "must name a dialect, e.g. \"grbl\"",
     );
     let stand_ins = whats_there(&mut r, &f, family);
-    let travel = f.travel_mm.each_ref().map(|v| {
+    let travel = f.travel_mm.0.each_ref().map(|v| {
         let advice = "write how far this axis can go ($130, $131, $132)";
         Mm(r.figure("travel_mm", v, above_zero(20_000.0), "mm", advice))
     });
     let rate = above_zero(200_000.0);
-    let max_rate = f.max_rate_mm_per_min.each_ref().map(|v| {
+    let max_rate = f.max_rate_mm_per_min.0.each_ref().map(|v| {
         let advice = "write the axis's fastest speed per minute ($110, $111, $112)";
         MmPerMin(r.figure("max_rate_mm_per_min", v, rate, "mm/min", advice))
     });
@@ -83,14 +84,14 @@ pub(super) fn read(name: &str, file: &str, text: &str) -> Result<Machine, DataEr
         }
         MmPerMin(feed)
     });
-    let acceleration = f.acceleration_mm_per_s2.each_ref().map(|v| {
+    let acceleration = f.acceleration_mm_per_s2.0.each_ref().map(|v| {
         let advice = "write the axis's acceleration ($120, $121, $122)";
         let bounds = above_zero(100_000.0);
         MmPerSec2(r.figure("acceleration_mm_per_s2", v, bounds, "mm/s2", advice))
     });
     let steps_per_mm = match &f.steps_per_mm {
         None => [STAND_IN.steps_per_mm; 3],
-        Some(steps) => steps.get_ref().each_ref().map(|v| {
+        Some(steps) => steps.get_ref().0.each_ref().map(|v| {
             let advice = "write the steps of one mm ($100, $101, $102)";
             r.figure("steps_per_mm", v, above_zero(1_000_000.0), "", advice)
         }),
@@ -129,7 +130,7 @@ pub(super) fn read(name: &str, file: &str, text: &str) -> Result<Machine, DataEr
             advice,
         )
     });
-    let spindle = spindle(&mut r, &f.spindle_rpm);
+    let spindle = spindle(&mut r, &f.spindle_rpm.0);
     let baud = baud(&mut r, f.baud.as_ref(), family);
     r.finish(Machine {
         name: name.to_string(),

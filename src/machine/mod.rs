@@ -8,6 +8,9 @@ mod built_in;
 pub mod data;
 pub mod family;
 mod file;
+mod plain;
+pub mod proofread;
+mod row;
 pub mod search;
 pub mod settings_file;
 

@@ -383,13 +383,17 @@ mod tests {
             [MmPerSec2(300.0), MmPerSec2(300.0), MmPerSec2(100.0)]
         );
         assert_eq!(m.travel, [Mm(800.0), Mm(850.0), Mm(110.0)]);
-        assert_eq!((m.junction_deviation, m.arc_tolerance), (Mm(0.01), Mm(0.002)));
+        assert_eq!(
+            (m.junction_deviation, m.arc_tolerance),
+            (Mm(0.01), Mm(0.002))
+        );
         assert_eq!(m.spindle, [Rpm(0.0), Rpm(24000.0)]);
     }
 
     #[test]
     fn comments_and_what_is_left_out() {
-        let text = "; my router\n# faster\n\n  $110 = 4200.5 ; belts\n$13=1 (report inches, bool)\n";
+        let text =
+            "; my router\n# faster\n\n  $110 = 4200.5 ; belts\n$13=1 (report inches, bool)\n";
         let file = SettingsFile::read("f", text).unwrap();
         assert_eq!(
             file.settings,

@@ -10,7 +10,7 @@
 //! | spindle or coolant off just before the end | nothing: the last lines switch off everything |
 //! | end | retract, where the post has one; end |
 //! | tool | spindle off, coolant off, retract, tool; coolant on again with the spindle, or before the next cut |
-//! | one coolant after another | off, then that one |
+//! | one coolant after another | off, then that one; both together come on top of what runs |
 //! | pause | spindle off, coolant off, pause, where a pause stops both; they come back before the next move |
 //! | spindle | without its spin-up time where the controller waits by itself |
 //! | an arc that turns too far at once | arcs, exactly ([`Rewrite::halves`]) |
@@ -115,8 +115,9 @@ impl<'a> Adapter<'a> {
                 to(step)
             }
             Step::Coolant(kind) => {
-                // The words for one leave the other running.
-                if self.coolant != Coolant::Off && self.coolant != *kind {
+                // The words for one leave the other running, which is right for both.
+                let other = self.coolant != Coolant::Off && self.coolant != *kind;
+                if other && *kind != Coolant::Both {
                     to(&Step::Coolant(Coolant::Off))?;
                 }
                 self.coolant = *kind;

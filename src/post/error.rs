@@ -107,7 +107,7 @@ pub enum Refusal {
     )]
     NoSpindle(&'static str),
     /// A coolant the dialect has no words for.
-    #[error("this controller has no {0:?} coolant: choose another, or none")]
+    #[error("this controller has no words for {}: choose another coolant, or none; where yours has them, write them into [coolant]", .0.words())]
     NoCoolant(Coolant),
     /// A second tool where there is no tool change.
     #[error(
@@ -170,7 +170,7 @@ pub enum Refusal {
     },
     /// An arc that would become too many lines.
     #[error(
-        "an arc of radius {radius} mm would become {lines:.0} lines within {tolerance} mm: give a coarser tolerance"
+        "an arc of radius {radius} mm would become {lines:.0} lines within {tolerance} mm: give a coarser tolerance (--arcs-to-lines)"
     )]
     TooManyLines {
         /// Its radius, mm.

@@ -73,6 +73,9 @@ pub fn specimen(post: &Post) -> Vec<Step> {
         s.extend([Step::Tool { number: 2 }, up.clone()]);
         let ccw = !post.spindle.ccw.is_empty();
         s.push(turn(if ccw { -1 } else { 1 }, 8000.0));
+        if !post.coolant.both.is_empty() {
+            s.push(Step::Coolant(Coolant::Both));
+        }
         s.extend([
             over(0.0, 0.0),
             Step::Rapid {

@@ -114,6 +114,15 @@ impl Template {
         Ok(template)
     }
 
+    /// Characters of the line without what fills its slots.
+    pub fn least_length(&self) -> usize {
+        let own = |p: &Piece| match p {
+            Piece::Text(t) => t.chars().count(),
+            Piece::Slot(_) => 0,
+        };
+        self.pieces.iter().map(own).sum()
+    }
+
     /// True when the slot occurs.
     pub fn has(&self, slot: Slot) -> bool {
         self.pieces.contains(&Piece::Slot(slot))
@@ -223,7 +232,7 @@ fn slot(name: &str, allowed: &[Slot]) -> Result<Slot, String> {
         .unwrap_or_default();
     let known: Vec<String> = here().map(|(n, _)| format!("{{{n}}}")).collect();
     Err(match known.is_empty() {
-        true => format!("{{{name}}}: nothing can be filled in here"),
+        true => format!("{{{name}}}: nothing can be filled in here: leave it out"),
         false => format!(
             "{{{name}}} is not known here{near}; there are {}",
             known.join(" ")
@@ -322,6 +331,6 @@ mod tests {
         let e = Template::parse("L Z+100 R0 FMAX", tnc).unwrap_err();
         assert!(e.starts_with("L would move the machine"), "{e}");
         let e = Template::parse("M6 {x}", Use { slots: &[], ..ANY }).unwrap_err();
-        assert_eq!(e, "{x}: nothing can be filled in here");
+        assert_eq!(e, "{x}: nothing can be filled in here: leave it out");
     }
 }

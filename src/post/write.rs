@@ -105,6 +105,7 @@ fn check(toolpath: &Toolpath, job: &Job, post: &Post) -> Result<(), (Spot, Refus
     if job.coolant != Coolant::Off {
         let lines = match job.coolant {
             Coolant::Mist => &post.coolant.mist,
+            Coolant::Both => &post.coolant.both,
             _ => &post.coolant.flood,
         };
         if lines.is_empty() {

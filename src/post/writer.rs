@@ -1,5 +1,7 @@
 //! Steps to text, one at a time.
 
+mod circle;
+mod fill;
 mod heidenhain;
 mod page;
 mod scribe;

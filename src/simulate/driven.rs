@@ -73,23 +73,25 @@ pub fn judge_driven(
     let problems = report
         .problems
         .into_iter()
-        .map(|p| match p.line.and_then(|l| notes.get(l.wrapping_sub(1))) {
-            Some((at, standing)) => {
-                let text = if *standing {
-                    p.text
-                        .replacen("rapid move", "move with the spindle stopped", 1)
-                        .replacen("retract higher before it, or feed", "start it first", 1)
-                } else {
-                    p.text
-                };
-                Problem {
-                    kind: p.kind,
-                    line: None,
-                    text: format!("after {at:.2} s: {text}"),
+        .map(
+            |p| match p.line.and_then(|l| notes.get(l.wrapping_sub(1))) {
+                Some((at, standing)) => {
+                    let text = if *standing {
+                        p.text
+                            .replacen("rapid move", "move with the spindle stopped", 1)
+                            .replacen("retract higher before it, or feed", "start it first", 1)
+                    } else {
+                        p.text
+                    };
+                    Problem {
+                        kind: p.kind,
+                        line: None,
+                        text: format!("after {at:.2} s: {text}"),
+                    }
                 }
-            }
-            None => p,
-        })
+                None => p,
+            },
+        )
         .collect();
     Rehearsal {
         cut_mm,
@@ -129,7 +131,11 @@ mod tests {
         ];
         for k in 0..=15 {
             let y = 0.6 * f64::from(k);
-            let (a, b) = if k % 2 == 0 { (-4.0, 16.0) } else { (16.0, -4.0) };
+            let (a, b) = if k % 2 == 0 {
+                (-4.0, 16.0)
+            } else {
+                (16.0, -4.0)
+            };
             way.extend([(p(a, y), false), (p(b, y), false)]);
         }
         way.extend([(Point::new(16.0, 9.0, 20.0), true)]);
@@ -147,7 +153,11 @@ mod tests {
             m
         });
         let path: Vec<DrivenMove> = path.collect();
-        judge_driven(path, &part, &DryRunOptions::new(0.02, Stock::Allowance(0.5)))
+        judge_driven(
+            path,
+            &part,
+            &DryRunOptions::new(0.02, Stock::Allowance(0.5)),
+        )
     }
 
     #[test]
@@ -156,18 +166,40 @@ mod tests {
         assert_eq!(good.problems, []);
         assert!(good.finish.is_some() && !good.crashed());
         assert!(good.cut_mm > 16.0 * 20.0 && good.rapid_mm > 40.0);
-        let bad = rehearse(true, &[(Point::new(6.0, 4.0, 1.0), true), (Point::new(6.0, 4.0, -0.2), false)]);
+        let bad = rehearse(
+            true,
+            &[
+                (Point::new(6.0, 4.0, 1.0), true),
+                (Point::new(6.0, 4.0, -0.2), false),
+            ],
+        );
         assert!(bad.crashed());
-        let text = bad.problems.iter().map(|p| p.to_string()).collect::<String>();
-        assert!(text.contains("gouge: after 36.00 s: the ball cuts 200.0 um into the part"), "{text}");
+        let text = bad
+            .problems
+            .iter()
+            .map(|p| p.to_string())
+            .collect::<String>();
+        assert!(
+            text.contains("gouge: after 36.00 s: the ball cuts 200.0 um into the part"),
+            "{text}"
+        );
     }
 
     #[test]
     fn a_rapid_and_a_standing_spindle_crash_into_stock() {
-        let text = |r: &Rehearsal| r.problems.iter().map(|p| format!("{p}\n")).collect::<String>();
+        let text = |r: &Rehearsal| {
+            r.problems
+                .iter()
+                .map(|p| format!("{p}\n"))
+                .collect::<String>()
+        };
         let standing = rehearse(false, &[]);
         assert!(standing.crashed());
         assert!(text(&standing).contains("collision: after 3.00 s: move with the spindle stopped through 0.500 mm of standing stock"), "{}", text(&standing));
-        assert!(text(&standing).contains(": start it first\n"), "{}", text(&standing));
+        assert!(
+            text(&standing).contains(": start it first\n"),
+            "{}",
+            text(&standing)
+        );
     }
 }

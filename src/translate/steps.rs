@@ -139,13 +139,7 @@ impl<R: BufRead + Seek> Steps<R> {
                     (false, false) => Coolant::Off,
                     (true, false) => Coolant::Flood,
                     (false, true) => Coolant::Mist,
-                    (true, true) => {
-                        return Err(TranslateError::Unsayable {
-                            line,
-                            what: "flood and mist together",
-                            advice: "choose one of them",
-                        });
-                    }
+                    (true, true) => Coolant::Both,
                 };
                 self.push(line, Step::Coolant(coolant));
             }

@@ -190,3 +190,18 @@ fn a_program_without_an_end_gets_one_and_a_note() {
         "the program has no M2 or M30: an end was added"
     );
 }
+
+#[test]
+fn flood_and_mist_together_are_kept() {
+    let steps = read("G21 G90\nM7\nM8\nG0 X1\nM9\nM2\n", Dialect::LinuxCnc).unwrap();
+    assert_eq!(
+        steps,
+        [
+            Step::Coolant(Coolant::Mist),
+            Step::Coolant(Coolant::Both),
+            rapid(Some(1.0), None, None),
+            Step::Coolant(Coolant::Off),
+            Step::End,
+        ]
+    );
+}

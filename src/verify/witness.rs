@@ -269,10 +269,18 @@ impl<R: BufRead + Seek> Witness<R> {
             Coolant::Off => (false, false),
             Coolant::Flood => (true, false),
             Coolant::Mist => (false, true),
+            Coolant::Both => (true, true),
         };
         if coolant == self.coolant {
             // Said again, it changes nothing, and the machine is told nothing.
             return Ok(());
+        }
+        if coolant == Coolant::Both
+            && let Some(&Event::Coolant { flood, mist, .. }) = self.peek()?
+            && flood != mist
+        {
+            // One word after the other switches them on.
+            self.take();
         }
         if let Some(&Event::Coolant { flood, mist, line }) = self.peek()? {
             if (flood, mist) != meant {

@@ -54,6 +54,7 @@ fn told(step: &Step) -> String {
         Step::Coolant(Coolant::Off) => "coolant off".into(),
         Step::Coolant(Coolant::Flood) => "coolant flood".into(),
         Step::Coolant(Coolant::Mist) => "coolant mist".into(),
+        Step::Coolant(Coolant::Both) => "coolant both".into(),
         Step::Dwell(s) => format!("dwell {}", number(s.0)),
         Step::Pause { optional: false } => "pause".into(),
         Step::Pause { optional: true } => "optional pause".into(),

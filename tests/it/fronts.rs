@@ -29,7 +29,14 @@ fn mill() -> Controller {
 }
 
 fn serve(rig: impl Into<Rig>) -> Tcp {
-    Tcp::serve(rig.into(), "127.0.0.1:0", Guests::Local, Pace::Unbound, None).unwrap()
+    Tcp::serve(
+        rig.into(),
+        "127.0.0.1:0",
+        Guests::Local,
+        Pace::Unbound,
+        None,
+    )
+    .unwrap()
 }
 
 fn connect(to: SocketAddr) -> TcpStream {
@@ -47,14 +54,21 @@ fn until(s: &mut TcpStream, end: &str) -> String {
         match s.read(&mut buffer) {
             Ok(0) => break,
             Ok(n) => got.extend_from_slice(&buffer[..n]),
-            Err(e) if matches!(e.kind(), std::io::ErrorKind::WouldBlock | std::io::ErrorKind::TimedOut) => {}
+            Err(e)
+                if matches!(
+                    e.kind(),
+                    std::io::ErrorKind::WouldBlock | std::io::ErrorKind::TimedOut
+                ) => {}
             Err(_) => break,
         }
         let text = String::from_utf8_lossy(&got);
         if text.contains(end) {
             break;
         }
-        assert!(start.elapsed() < PATIENCE, "waited for {end:?}, got {text:?}");
+        assert!(
+            start.elapsed() < PATIENCE,
+            "waited for {end:?}, got {text:?}"
+        );
     }
     String::from_utf8_lossy(&got).into_owned()
 }
@@ -63,13 +77,18 @@ fn until(s: &mut TcpStream, end: &str) -> String {
 fn a_second_client_is_told_and_shown_out_and_the_first_goes_on() {
     let tcp = serve(mill());
     let mut first = connect(tcp.address());
-    assert_eq!(until(&mut first, "help]\r\n"), "\r\nGrbl 1.1h ['$' for help]\r\n");
+    assert_eq!(
+        until(&mut first, "help]\r\n"),
+        "\r\nGrbl 1.1h ['$' for help]\r\n"
+    );
     let mut second = connect(tcp.address());
     let said = until(&mut second, "never said");
     let local = first.local_addr().unwrap();
     assert_eq!(
         said,
-        format!("[MSG:Busy: {local} is connected, and one program at a time may be. Close it first]\r\n")
+        format!(
+            "[MSG:Busy: {local} is connected, and one program at a time may be. Close it first]\r\n"
+        )
     );
     first.write_all(b"G1X5F600\n$G\n").unwrap();
     assert!(until(&mut first, "]\r\nok\r\n").starts_with("ok\r\n[GC:G1 "));
@@ -104,7 +123,13 @@ fn only_loopback_unless_told() {
     let taken = serve(mill());
     let at = taken.address().to_string();
     assert!(refuse(&at).starts_with(&format!("--tcp {at}: cannot listen: ")));
-    let open = Tcp::serve(mill().into(), "0.0.0.0:0", Guests::Remote, Pace::Unbound, None);
+    let open = Tcp::serve(
+        mill().into(),
+        "0.0.0.0:0",
+        Guests::Remote,
+        Pace::Unbound,
+        None,
+    );
     assert!(open.unwrap().address().port() > 0);
 }
 
@@ -146,7 +171,11 @@ fn hostile_bytes_over_a_socket_crash_nothing() {
         if String::from_utf8_lossy(&got).contains("Grbl 1.1h") {
             break;
         }
-        assert!(start.elapsed() < PATIENCE, "{}", String::from_utf8_lossy(&got));
+        assert!(
+            start.elapsed() < PATIENCE,
+            "{}",
+            String::from_utf8_lossy(&got)
+        );
     }
     assert!(tcp.stop().is_some(), "the thread is alive and ends");
 }
@@ -169,7 +198,11 @@ fn ports_by_name_reach_a_socket_and_a_pseudo_terminal() {
                 break found.clone();
             }
         };
-        assert_eq!(found.to_string(), "Grbl 1.1h, version 1.1h.20190830, Idle", "{name}");
+        assert_eq!(
+            found.to_string(),
+            "Grbl 1.1h, version 1.1h.20190830, Idle",
+            "{name}"
+        );
     }
 }
 
@@ -193,9 +226,16 @@ fn each_opening_of_a_pseudo_terminal_greets_anew() {
             let n = port.read(&mut buffer).unwrap();
             got.extend_from_slice(&buffer[..n]);
         }
-        assert!(got.starts_with(b"[HLP:"), "{}", String::from_utf8_lossy(&got));
+        assert!(
+            got.starts_with(b"[HLP:"),
+            "{}",
+            String::from_utf8_lossy(&got)
+        );
         drop(port);
-        assert!(matches!(news.recv_timeout(PATIENCE).unwrap(), News::Left(_)));
+        assert!(matches!(
+            news.recv_timeout(PATIENCE).unwrap(),
+            News::Left(_)
+        ));
     }
 }
 
@@ -204,18 +244,32 @@ fn each_opening_of_a_pseudo_terminal_greets_anew() {
 #[test]
 fn a_plain_sender_of_another_maker() {
     use std::io::{BufRead as _, BufReader};
-    let pty = Pty::start(mill(), Pace::Unbound).unwrap();
+    let (sender, news) = mpsc::channel();
+    let pty = Pty::serve(mill().into(), Pace::Unbound, Some(sender)).unwrap();
     for job in 1..=2 {
-        let mut file = std::fs::OpenOptions::new().read(true).write(true).open(pty.path()).unwrap();
-        let mut lines = BufReader::new(file.try_clone().unwrap()).lines().map(|l| l.unwrap());
-        let mut next = || lines.find(|l| !l.trim().is_empty()).unwrap().trim().to_string();
+        let mut file = std::fs::OpenOptions::new()
+            .read(true)
+            .write(true)
+            .open(pty.path())
+            .unwrap();
+        let mut lines = BufReader::new(file.try_clone().unwrap())
+            .lines()
+            .map(|l| l.unwrap());
+        let mut next = || {
+            lines
+                .find(|l| !l.trim().is_empty())
+                .unwrap()
+                .trim()
+                .to_string()
+        };
         assert_eq!(next(), "Grbl 1.1h ['$' for help]");
         file.write_all(b"\r\n\r\n").unwrap();
         for _ in 0..4 {
             assert_eq!(next(), "ok");
         }
         for k in 0..60 {
-            file.write_all(format!("G1 X{}.5 Y{k} F2000\n", k % 5).as_bytes()).unwrap();
+            file.write_all(format!("G1 X{}.5 Y{k} F2000\n", k % 5).as_bytes())
+                .unwrap();
             assert_eq!(next(), "ok", "line {k} of job {job}");
         }
         file.write_all(b"G4 P0\n?").unwrap();
@@ -224,6 +278,9 @@ fn a_plain_sender_of_another_maker() {
             file.write_all(b"?").unwrap();
             said = next();
         }
+        drop((file, lines));
+        // Nobody opens a device again sooner than its closing can be seen.
+        while !matches!(news.recv_timeout(PATIENCE).unwrap(), News::Left(_)) {}
     }
     assert_eq!(pty.readout().bytes_lost, 0);
 }
@@ -233,7 +290,13 @@ fn a_plain_sender_of_another_maker() {
 fn faults_replay_without_any_front() {
     let run = |seed| {
         let mut plan = FaultPlan::default();
-        for f in ["drop:0.01", "flip:0.01", "lose-ok:0.1", "delay:5ms", "reset-at-line:40"] {
+        for f in [
+            "drop:0.01",
+            "flip:0.01",
+            "lose-ok:0.1",
+            "delay:5ms",
+            "reset-at-line:40",
+        ] {
             plan.add(f).unwrap();
         }
         let mut rig = Rig::new(
@@ -289,7 +352,14 @@ impl std::io::Write for Shared {
 /// controller said.
 fn controller(words: &[&str], program: &str) -> (u8, String, String) {
     let all = [
-        &["controller", "--tcp", "127.0.0.1:0", "--speed", "max", "--once"],
+        &[
+            "controller",
+            "--tcp",
+            "127.0.0.1:0",
+            "--speed",
+            "max",
+            "--once",
+        ],
         words,
     ]
     .concat();
@@ -353,8 +423,14 @@ fn a_rehearsal_shows_the_cut_and_fails_on_a_crash() {
     assert!(said.ends_with("verdict   pass\n"), "{said}");
     assert_eq!(code, 0, "{said}");
     // Never lifted before it goes home: a rapid through stock that still stands.
-    let (code, said, _) = controller(&words, "G21 G90\nM3 S12000\nG0 Z20\nG0 X-4 Y4\nG0 Z0\nG0 X6\nG0 Z20");
-    assert!(said.contains("rehearsal 1: way without an M2 or M30, 0.0 mm at feed"), "{said}");
+    let (code, said, _) = controller(
+        &words,
+        "G21 G90\nM3 S12000\nG0 Z20\nG0 X-4 Y4\nG0 Z0\nG0 X6\nG0 Z20",
+    );
+    assert!(
+        said.contains("rehearsal 1: way without an M2 or M30, 0.0 mm at feed"),
+        "{said}"
+    );
     assert!(said.contains("problem   collision: after "), "{said}");
     assert!(said.ends_with("verdict   crash\n"), "{said}");
     assert_eq!(code, 1);
@@ -379,7 +455,11 @@ fn what_the_command_line_cannot_carry_out_says_so() {
         &["--machine", "no-such-mill"],
         &["--part", "no-such-part.stl"],
     ] {
-        assert_eq!(controller(words, ""), (2, String::new(), String::new()), "{words:?}");
+        assert_eq!(
+            controller(words, ""),
+            (2, String::new(), String::new()),
+            "{words:?}"
+        );
     }
     let parse = |words: &[&str]| Cli::try_parse_from(words).err().unwrap().to_string();
     assert!(parse(&["c", "--pty", "--tcp", "127.0.0.1:0"]).contains("cannot be used with"));
@@ -392,20 +472,37 @@ fn settings_of_a_file_are_the_controllers() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("s.txt").display().to_string();
     std::fs::write(&path, "$110=1234\n$22=0\n$13=0\n").unwrap();
-    let args = Cli::try_parse_from(["c", "--settings", &path]).unwrap().controller;
+    let args = Cli::try_parse_from(["c", "--settings", &path])
+        .unwrap()
+        .controller;
     // Not served: how to reach it was not said.
     let mut out = Vec::new();
     assert_eq!(run_until(&args, &mut out, &AtomicBool::new(false)), 2);
     let kept = dir.path().join("eeprom.txt").display().to_string();
     // Homing finds its switches, and what is set stays for the next run.
-    std::fs::write(&path, "$110=1234\n$22=1\n$130=30\n$131=30\n$132=30\n$25=1500\n").unwrap();
-    let (code, _, said) = controller(&["--settings", &path, "--eeprom", &kept], "$H\nG10L2P2X-1.5Y-2Z-3\n$N0=G55\n$13=1\n?");
+    std::fs::write(
+        &path,
+        "$110=1234\n$22=1\n$130=30\n$131=30\n$132=30\n$25=1500\n",
+    )
+    .unwrap();
+    let (code, _, said) = controller(
+        &["--settings", &path, "--eeprom", &kept],
+        "$H\nG10L2P2X-1.5Y-2Z-3\n$N0=G55\n$13=1\n?",
+    );
     assert_eq!(code, 0);
     assert!(said.contains("unlock]\r\n"), "{said}");
     let text = std::fs::read_to_string(&kept).unwrap();
-    assert!(text.contains("$13=1\n") && text.contains("$N0=G55\n") && text.contains("\nG55=-1.5,-2,-3\n"), "{text}");
+    assert!(
+        text.contains("$13=1\n")
+            && text.contains("$N0=G55\n")
+            && text.contains("\nG55=-1.5,-2,-3\n"),
+        "{text}"
+    );
     let (_, _, said) = controller(&["--eeprom", &kept], "$H\n$$\n$#");
-    assert!(said.contains("$13=1\r\n") && said.contains("$110=1234.000\r\n"), "{said}");
+    assert!(
+        said.contains("$13=1\r\n") && said.contains("$110=1234.000\r\n"),
+        "{said}"
+    );
     assert!(said.contains("[G55:-0.0591,-0.0787,-0.1181]"), "{said}");
     assert!(said.contains(">G55:ok"), "{said}");
     std::fs::write(&kept, "$110=1e3x").unwrap();

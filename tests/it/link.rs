@@ -887,6 +887,10 @@ fn send_args(program: &std::path::Path, json: &std::path::Path, speed: Pace) -> 
         dry_run: false,
         speed,
         json: Some(json.to_path_buf()),
+        events: None,
+        plain: true,
+        tool_plate: None,
+        take_up: Default::default(),
     }
 }
 

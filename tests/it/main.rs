@@ -27,6 +27,7 @@ mod translations;
 mod campaign;
 mod fuzz;
 mod hostile;
+mod errand;
 mod link;
 mod looks;
 mod machines;

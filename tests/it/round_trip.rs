@@ -182,6 +182,7 @@ fn steps(choices: &[Choice], text: &str) -> Vec<Step> {
                 });
             }
             16 => all.push(Step::Dwell(Seconds((radius * 10.0).round() / 10.0))),
+            17 if radius > 50.0 => all.push(Step::Coolant(Coolant::Both)),
             17 => all.push(Step::Coolant(if yes {
                 Coolant::Flood
             } else {

@@ -173,7 +173,7 @@ fn what_cannot_be_said_is_refused_and_leaves_nothing() {
         (
             "G0 X0 Y0 Z5\nM8\nM2\n",
             "marlin",
-            "in.nc:2: post marlin: step 2: this controller has no Flood coolant",
+            "in.nc:2: post marlin: step 2: this controller has no words for flood",
         ),
         (
             "G0 X0 Y0 Z5\nG92 X5\nM2\n",
@@ -281,5 +281,42 @@ fn a_cl_file_becomes_a_program_and_the_notes_are_said() {
         std::fs::read_to_string(dir.join("inch.nc"))
             .unwrap()
             .contains("X254")
+    );
+}
+
+/// M7 and M8 together, from one control to others that have words for it, and to one that has not.
+#[test]
+fn flood_and_mist_go_together_or_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let dir = folder.path();
+    let program = "G21 G90 G17\nT1 M6\nG0 Z5\nX0 Y0\nM3 S5000\nM7\nM8\nG1 Z-1 F100\nM9\nM8\nX5\nM7\nX0\nM9\nG0 Z5\nM5\nM2\n";
+    std::fs::write(dir.join("in.ngc"), program).unwrap();
+    let to = |post: &str| {
+        morsemill(
+            dir,
+            &[
+                "translate",
+                "in.ngc",
+                "--from",
+                "linuxcnc",
+                "--to",
+                post,
+                "-o",
+                "out.nc",
+            ],
+        )
+    };
+    for post in ["linuxcnc", "mach3", "masso", "edingcnc"] {
+        let o = to(post);
+        assert!(o.status.success(), "{post}: {}", text(&o.stderr));
+        let written = std::fs::read_to_string(dir.join("out.nc")).unwrap();
+        assert_eq!(written.matches("M7").count(), 3, "{post}: {written}");
+    }
+    let o = to("centroid");
+    assert!(!o.status.success());
+    let said = text(&o.stderr);
+    assert!(
+        said.contains("no words for flood and mist together: choose another coolant, or none"),
+        "{said}"
     );
 }

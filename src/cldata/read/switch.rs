@@ -96,7 +96,7 @@ impl State {
             let Value::Word(w) = value else {
                 return Err(args.value(at, 0.0, "is no kind of coolant: write FLOOD, MIST or OFF"));
             };
-            kind = Some(match upper(w).as_str() {
+            let told = match upper(w).as_str() {
                 "FLOOD" => Coolant::Flood,
                 "MIST" => Coolant::Mist,
                 "OFF" => Coolant::Off,
@@ -110,6 +110,14 @@ impl State {
                     return Err((at, ClProblem::Refused { word, why }));
                 }
                 _ => return Err(args.minor(at, w, TAKES)),
+            };
+            // Two kinds in one statement are both meant.
+            kind = Some(match (kind, told) {
+                (Some(Coolant::Flood), Coolant::Mist) | (Some(Coolant::Mist), Coolant::Flood) => {
+                    Coolant::Both
+                }
+                (Some(Coolant::Both), Coolant::Flood | Coolant::Mist) => Coolant::Both,
+                (_, told) => told,
             });
         }
         let coolant = match (kind, on) {

@@ -334,7 +334,8 @@ fn canonical(draws: &[Draw], scale: f64) -> Vec<Step> {
                 });
             }
             3 => out.push(Step::Coolant(
-                [Coolant::Off, Coolant::Flood, Coolant::Mist][usize::from(which / 10) % 3],
+                [Coolant::Off, Coolant::Flood, Coolant::Mist, Coolant::Both]
+                    [usize::from(which / 10) % 4],
             )),
             4 => out.push(Step::Dwell(Seconds(v[0].abs()))),
             5 => out.push(Step::Pause { optional: *flag }),

@@ -1,25 +1,38 @@
 //! `morsemill send`: vet a program, then stream it to a controller, real or simulated.
+//!
+//! ```text
+//! vet -> open the port -> introduction -> vet with the machine's own offsets and travel -> (resume: plan, simulate, ask) -> drive
+//! ```
 
+mod awake;
+mod board;
+mod crank;
+mod eta;
+mod events;
+mod keys;
 pub mod resume;
+mod screen;
 
 use super::check::read_program;
 use super::output::{say, write_json};
 use crate::controller::{Controller, Pace, Pty};
-use crate::kinematics::{Settings, program_time};
+use crate::kinematics::Settings;
+use crate::link::journal::{JournalFile, Keeper};
+use crate::link::vet::{VetOptions, vet};
 use crate::link::{
-    Command, Ending, Job, Outcome, Progress, SerialPort, Session, SessionOptions, drive,
+    Ending, Introduction, IntroductionOptions, Job, JobError, Known, NotIntroduced, Outcome,
+    Session, SessionOptions, Text, introduce, port,
 };
 use crate::machine::Machine;
-use indicatif::{ProgressBar, ProgressStyle};
+use board::Board;
+use crank::{Crank, Journal, Listener};
+use eta::Timer;
+use resume::{ResumeArgs, Subject};
 use serde::Serialize;
-use std::io::{BufRead as _, IsTerminal as _, Write};
+use std::io::Write;
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicU32, Ordering};
-use std::sync::{Arc, mpsc};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
-
-/// How long one look at the port waits. Short, so that commands and polls are prompt; bytes end it at once anyway.
-const PORT_TIMEOUT: Duration = Duration::from_millis(10);
 
 /// Arguments of `morsemill send`.
 #[derive(Clone, Debug, clap::Args)]
@@ -29,8 +42,8 @@ pub struct SendArgs {
     /// Machine: a built-in name or a TOML file
     #[arg(long, value_name = "NAME|FILE", default_value = crate::machine::DEFAULT_MACHINE)]
     pub machine: String,
-    /// Serial device, or `sim` for the built-in simulated controller
-    #[arg(long, value_name = "PORT|sim")]
+    /// Serial device, network address, or `sim` for the built-in simulated controller
+    #[arg(long, value_name = "PORT|tcp://HOST:PORT|sim")]
     pub port: String,
     /// Read and check every line, tell what would be sent, and send nothing
     #[arg(long)]
@@ -41,6 +54,19 @@ pub struct SendArgs {
     /// Write the result as JSON
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
+    /// Write what happens as it happens, one JSON object a line; `-` is standard output
+    #[arg(long, value_name = "FILE|-")]
+    pub events: Option<PathBuf>,
+    /// Plain lines of progress even on a terminal
+    #[arg(long)]
+    pub plain: bool,
+    /// At a tool change (M6), on resume: probe Z onto a plate of this thickness right below the tool, and set work Z by it. Without it
+    /// the operator sees to the new tool's length before resuming
+    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    pub tool_plate: Option<f64>,
+    /// Where to begin, and the journal
+    #[command(flatten)]
+    pub take_up: ResumeArgs,
 }
 
 /// Times real time, at most: a second is half a month then.
@@ -101,6 +127,15 @@ struct Failure {
     message: String,
 }
 
+impl From<super::Failure> for Failure {
+    fn from(f: super::Failure) -> Failure {
+        match f {
+            super::Failure::Rejected(message) => Failure { code: 1, message },
+            super::Failure::Failed(message) => Failure { code: 2, message },
+        }
+    }
+}
+
 fn cannot(message: impl ToString) -> Failure {
     Failure {
         code: 2,
@@ -110,11 +145,6 @@ fn cannot(message: impl ToString) -> Failure {
 
 fn send(args: &SendArgs, out: &mut dyn Write) -> Result<u8, Failure> {
     let machine = super::sources::machine(&args.machine).map_err(cannot)?;
-    if args.port.starts_with("tcp://") {
-        return Err(cannot(
-            "--port tcp://... is not supported yet: use a serial device, or `sim`",
-        ));
-    }
     if !args.dry_run && !machine.speaks_grbl() {
         let family = machine.family().map_or("another controller", |f| f.title);
         return Err(cannot(format!(
@@ -124,26 +154,38 @@ fn send(args: &SendArgs, out: &mut dyn Write) -> Result<u8, Failure> {
     }
     let name = args.program.display();
     let text = read_program(&args.program).map_err(cannot)?;
-    let job = Job::vet(&text).map_err(|errors| {
+    let settings = Settings::from(&machine);
+    let refused = |errors: Vec<JobError>| {
         let list: Vec<String> = errors.iter().map(|e| format!("{name}:{e}")).collect();
         Failure {
             code: 1,
             message: format!("the program cannot be sent:\n{}", list.join("\n")),
         }
-    })?;
+    };
+    let source = Arc::new(Text(text.as_str().into()));
+    let mut timer = Timer::new(settings);
+    // What is wrong with it whatever the machine is told before a port is opened: opening restarts most boards.
+    let rough = vet(source.clone(), VetOptions::default(), &mut |line, event| {
+        timer.hear(line.source, event)
+    })
+    .map_err(refused)?;
+    let times = timer.finish();
     if args.dry_run {
-        let time = program_time(&job.events().unwrap_or_default(), &Settings::from(&machine)).total.0;
         writeln!(
             out,
-            "{name}: {} lines to send, {} bytes, about {time:.1} s on {}",
-            job.total,
-            job.bytes,
-            machine.title
+            "{name}: {} lines to send, {} bytes, about {:.1} s on {}",
+            rough.total, rough.bytes, times.total, machine.title
         )
         .map_err(cannot)?;
         return Ok(0);
     }
-
+    if let Some(plate) = args.tool_plate
+        && !(0.0..=200.0).contains(&plate)
+    {
+        return Err(cannot(format!(
+            "--tool-plate {plate}: must be from 0 to 200 mm"
+        )));
+    }
     let simulated = args.port == "sim";
     let pty = match simulated {
         true => Some(Pty::start(Controller::of_machine(&machine), args.speed).map_err(cannot)?),
@@ -156,26 +198,151 @@ fn send(args: &SendArgs, out: &mut dyn Write) -> Result<u8, Failure> {
     if simulated {
         say(&format!("simulated controller on {path}"));
     }
-    let mut port = SerialPort::open(&path, machine.baud, PORT_TIMEOUT).map_err(cannot)?;
-    let options = SessionOptions {
-        rx_bytes: machine.rx_buffer,
-        settings: promised(&machine),
-        ..SessionOptions::default()
-    };
-    let mut session = Session::new(job, options);
-    let outcome = {
-        let commands = commands();
-        let mut bar = Bar::new();
-        let start = Instant::now();
-        drive(
-            &mut session,
-            &mut port,
-            &mut || start.elapsed(),
-            &mut || commands.try_recv().ok(),
-            &mut |news| bar.show(news),
+    let mut port = port::open(&path, machine.baud).map_err(cannot)?;
+    super::errand::catch_interrupts();
+    let start = Instant::now();
+    let introduction = Introduction::new(
+        IntroductionOptions {
+            rx_bytes: machine.rx_buffer,
+            ..IntroductionOptions::default()
+        },
+        Duration::ZERO,
+    );
+    let known =
+        introduce(introduction, &mut port, &mut || start.elapsed()).map_err(|e| match &e {
+            NotIntroduced::Controller(crate::link::Unknown::Busy(_)) => Failure {
+                code: 1,
+                message: e.to_string(),
+            },
+            _ => cannot(e),
+        })?;
+    let plan = Plan::make(args, &machine, &text, &known)?;
+    let job = match plan.job {
+        Some(job) => job,
+        None => vet(
+            source,
+            VetOptions::of(&known, Some(machine.travel.map(|t| t.0))),
+            &mut |_, _| {},
         )
+        .map_err(refused)?,
     };
-    let (machine_time_s, machine_time_source) = match &pty {
+    let journal = match plan.begin {
+        Some(begin) => Some(open_journal(args, *begin, &job)?),
+        None => None,
+    };
+    let outcome = {
+        let board = Board {
+            title: format!("{name} on {}", machine.title),
+            from_s: times.at(plan.first_line.saturating_sub(1)),
+            times,
+            ..Board::default()
+        };
+        let mut listener =
+            Listener::new(board, args.events.as_deref(), args.plain).map_err(cannot)?;
+        let _awake = match simulated {
+            true => None,
+            false => awake::Awake::hold().map_err(|why| listener.note(&why)).ok(),
+        };
+        let options = SessionOptions {
+            rx_bytes: machine.rx_buffer,
+            settings: promised(&machine),
+            ..SessionOptions::default()
+        };
+        let session = Session::known(job, known, options, start.elapsed());
+        Crank {
+            session,
+            port: &mut port,
+            journal,
+            start,
+            tool_plate: args.tool_plate,
+            rx_bytes: machine.rx_buffer,
+        }
+        .turn(&mut listener)
+    };
+    tell(args, out, &outcome, pty.as_ref())
+}
+
+/// Where the job begins, and its journal.
+struct Plan {
+    /// The resumed job, if it is one.
+    job: Option<Job>,
+    first_line: usize,
+    begin: Option<Box<crate::link::journal::Begin>>,
+}
+
+impl Plan {
+    fn make(
+        args: &SendArgs,
+        machine: &Machine,
+        text: &str,
+        known: &Known,
+    ) -> Result<Plan, Failure> {
+        let subject = Subject {
+            path: &args.program,
+            bytes: text.as_bytes(),
+            text,
+            machine,
+            known,
+            skips_slashed: false,
+        };
+        let take_up = &args.take_up;
+        // A rehearsal on the simulated controller leaves no journal, unless one is named.
+        let kept = args.port != "sim" || take_up.journal.is_some() || take_up.resume;
+        let serial = args.port != "sim" && !args.port.starts_with("tcp:");
+        if !take_up.wanted() {
+            if kept {
+                let path = resume::journal_path(&args.program, take_up.journal.as_deref());
+                resume::make_room(&path, take_up.discard_journal)?;
+            }
+            return Ok(Plan {
+                job: None,
+                first_line: 1,
+                begin: kept.then(|| Box::new(subject.begin(None, serial))),
+            });
+        }
+        let mut notes = Vec::new();
+        let plan = subject.plan(take_up, &mut notes)?;
+        let job = subject.simulate(&plan, &mut notes)?;
+        notes.iter().for_each(|n| say(&format!("note: {n}")));
+        say(&plan.to_string());
+        resume::ask(take_up.yes)?;
+        if kept {
+            resume::set_aside(&resume::journal_path(
+                &args.program,
+                take_up.journal.as_deref(),
+            ))?;
+        }
+        Ok(Plan {
+            job: Some(job),
+            first_line: plan.entry.line,
+            begin: kept.then(|| Box::new(subject.begin(Some(&plan), serial))),
+        })
+    }
+}
+
+fn open_journal(
+    args: &SendArgs,
+    begin: crate::link::journal::Begin,
+    job: &Job,
+) -> Result<Journal, Failure> {
+    let path = resume::journal_path(&args.program, args.take_up.journal.as_deref());
+    let (keeper, first) = Keeper::new(begin, job).map_err(cannot)?;
+    let file = JournalFile::create(&path, &first).map_err(|e| {
+        cannot(format!(
+            "{}: the journal cannot be written: {e}. Without one a broken job could not be taken up again; --journal names another place",
+            path.display()
+        ))
+    })?;
+    Ok(Journal { keeper, file })
+}
+
+fn tell(
+    args: &SendArgs,
+    out: &mut dyn Write,
+    outcome: &Outcome,
+    pty: Option<&Pty>,
+) -> Result<u8, Failure> {
+    let (machine_time_s, machine_time_source) = match pty {
         Some(pty) => (pty.readout().elapsed_s, "controller"),
         None => (outcome.running_s, "host"),
     };
@@ -195,7 +362,7 @@ fn send(args: &SendArgs, out: &mut dyn Write) -> Result<u8, Failure> {
         .json
         .as_ref()
         .map_or(Ok(()), |file| write_json(file, &report));
-    let told = match summary(&report, out).and_then(|()| out.flush()) {
+    let told = match summary(args, &report, out).and_then(|()| out.flush()) {
         Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => {
             Err(format!("standard output: {e}"))
         }
@@ -204,7 +371,7 @@ fn send(args: &SendArgs, out: &mut dyn Write) -> Result<u8, Failure> {
     let lost = match (kept, told) {
         (Err(super::Failure::Rejected(text) | super::Failure::Failed(text)), _)
         | (_, Err(text)) => text,
-        _ => return Ok(exit_code(&outcome)),
+        _ => return Ok(exit_code(outcome)),
     };
     Err(cannot(format!(
         "{lost} (the job itself: {})",
@@ -235,7 +402,11 @@ fn promised(machine: &Machine) -> Vec<(u16, f64)> {
     settings
 }
 
-fn summary(report: &Report, out: &mut dyn Write) -> std::io::Result<()> {
+fn summary(args: &SendArgs, report: &Report, out: &mut dyn Write) -> std::io::Result<()> {
+    if args.events.as_ref().is_some_and(|e| e.as_os_str() == "-") {
+        // Standard output belongs to the events, whose last one says it all.
+        return Ok(());
+    }
     writeln!(
         out,
         "lines sent           {} of {}",
@@ -266,115 +437,6 @@ fn summary(report: &Report, out: &mut dyn Write) -> std::io::Result<()> {
     writeln!(out, "result               {}", report.message)
 }
 
-/// The operator's wishes: Ctrl-C, and lines on a terminal's stdin.
-fn commands() -> mpsc::Receiver<Command> {
-    let (sender, receiver) = mpsc::channel();
-    let presses = Arc::new(AtomicU32::new(0));
-    let on_interrupt = sender.clone();
-    let set = ctrlc::set_handler(move || {
-        // The first stops the job in order; the second means it.
-        let command = if presses.fetch_add(1, Ordering::Relaxed) == 0 {
-            say(
-                "\nstopping: feed hold, standstill, reset. Ctrl-C once more resets at once and loses the position",
-            );
-            Command::Stop
-        } else {
-            Command::ResetNow
-        };
-        // Nobody listens any more: the job has ended.
-        let _ = on_interrupt.send(command);
-    });
-    if set.is_err() {
-        say(
-            "warning: Ctrl-C cannot be caught here and would leave the machine running what it has received",
-        );
-    }
-    if std::io::stdin().is_terminal() {
-        say("h hold, r resume, x stop, each with Enter; Ctrl-C stops too");
-        std::thread::spawn(move || {
-            for line in std::io::stdin().lock().lines() {
-                let Ok(line) = line else { return };
-                let Some(command) = wish(&line) else { continue };
-                if sender.send(command).is_err() {
-                    return;
-                }
-            }
-        });
-    }
-    receiver
-}
-
-/// What a line typed by the operator means.
-fn wish(line: &str) -> Option<Command> {
-    // A lone blank (the biggest key) is a hold, so the line is not trimmed before that test.
-    match line.trim_end_matches(['\r', '\n']) {
-        " " => Some(Command::Hold),
-        other => match other.trim() {
-            "h" | "!" => Some(Command::Hold),
-            "r" | "~" => Some(Command::Resume),
-            "x" => Some(Command::Stop),
-            _ => None,
-        },
-    }
-}
-
-/// Progress on a terminal; elsewhere only what matters.
-struct Bar(ProgressBar);
-
-impl Bar {
-    fn new() -> Bar {
-        Bar(ProgressBar::hidden())
-    }
-
-    fn tell(&self, text: &str) {
-        if self.0.is_hidden() {
-            say(text);
-        } else {
-            self.0.println(text);
-        }
-    }
-
-    fn show(&mut self, news: &Progress) {
-        match news {
-            Progress::Connected(known) => self.tell(&format!(
-                "connected: {}, {} bytes of buffer",
-                known.version, known.rx_bytes
-            )),
-            Progress::Note(text) => self.tell(&format!("note: {text}")),
-            Progress::Started { total } => {
-                self.0 = ProgressBar::new(*total as u64);
-                if let Ok(style) =
-                    ProgressStyle::with_template("{bar:30} {pos}/{len} lines  {msg}  {eta} left")
-                {
-                    self.0.set_style(style);
-                }
-            }
-            Progress::Report(report) => {
-                self.0.set_position(report.acknowledged as u64);
-                let place = report.position.map_or(String::new(), |[x, y, z]| {
-                    format!("  X{x:.2} Y{y:.2} Z{z:.2}")
-                });
-                let feed = report.feed.map_or(String::new(), |f| format!("  F{f:.0}"));
-                self.0
-                    .set_message(format!("{}{place}{feed}", report.state.text()));
-            }
-            Progress::Prompt(prompt) => self.tell(&prompt.to_string()),
-            Progress::Stall(Some(stall)) => self.tell(&stall.to_string()),
-            Progress::Paused(text) => self.tell(text),
-            Progress::Stopping(why) => {
-                self.tell(&format!("{why}: feed hold, then standstill, then reset"))
-            }
-            _ => {}
-        }
-    }
-}
-
-impl Drop for Bar {
-    fn drop(&mut self) {
-        self.0.finish_and_clear();
-    }
-}
-
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
@@ -389,6 +451,10 @@ mod tests {
             dry_run: false,
             speed: Pace::Unbound,
             json: None,
+            events: None,
+            plain: false,
+            tool_plate: None,
+            take_up: ResumeArgs::default(),
         }
     }
 
@@ -434,12 +500,7 @@ mod tests {
     }
 
     #[test]
-    fn keys_and_speeds() {
-        assert_eq!(wish(" "), Some(Command::Hold));
-        assert_eq!(wish("h"), Some(Command::Hold));
-        assert_eq!(wish("~\r"), Some(Command::Resume));
-        assert_eq!(wish("x"), Some(Command::Stop));
-        assert_eq!(wish(""), None);
+    fn speeds() {
         assert_eq!(pace("max"), Ok(Pace::Unbound));
         assert_eq!(pace("0"), Ok(Pace::Unbound));
         assert_eq!(pace("10"), Ok(Pace::Times(10.0)));

@@ -174,7 +174,10 @@ pub fn make_room(path: &Path, discard: bool) -> Result<(), Failure> {
             "{}: a job of this program was broken after line {} of {lines} was answered ({}): take it up with --resume, or begin afresh with --discard-journal",
             path.display(),
             history.acknowledged,
-            history.end.as_deref().unwrap_or("the sender ended without a word"),
+            history
+                .end
+                .as_deref()
+                .unwrap_or("the sender ended without a word"),
         )));
     }
     set_aside(path)
@@ -307,11 +310,20 @@ impl Subject<'_> {
                 .iter()
                 .map(|e| format!("{}:{e}", self.path.display()))
                 .collect();
-            Failure::Rejected(format!("the resumed program cannot be sent:\n{}", list.join("\n")))
+            Failure::Rejected(format!(
+                "the resumed program cannot be sent:\n{}",
+                list.join("\n")
+            ))
         })?;
         let dialect: Dialect = self.known.dialect();
         let judged = DryRunOptions::new(0.02, Stock::Allowance(0.0));
-        let run = dry_run(&plan.program(self.text), dialect, self.machine, None, &judged);
+        let run = dry_run(
+            &plan.program(self.text),
+            dialect,
+            self.machine,
+            None,
+            &judged,
+        );
         let map = plan.map();
         let mut told = String::new();
         for problem in &run.problems {
@@ -331,7 +343,10 @@ impl Subject<'_> {
                 "the simulation of the resumed program found:{told}"
             )));
         }
-        notes.push(format!("simulated: about {:.1} s on {}", run.time_s.total, self.machine.title));
+        notes.push(format!(
+            "simulated: about {:.1} s on {}",
+            run.time_s.total, self.machine.title
+        ));
         Ok(job)
     }
 }

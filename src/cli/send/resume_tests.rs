@@ -66,8 +66,14 @@ fn a_finished_journal_is_set_aside_and_an_unfinished_one_is_not_buried() {
 
     std::fs::write(&path, journal(None)).unwrap();
     let e = text_of(make_room(&path, false).unwrap_err());
-    assert!(e.contains("broken after line 4 of 9 was answered (the sender ended without a word)"), "{e}");
-    assert!(e.contains("--resume") && e.contains("--discard-journal"), "{e}");
+    assert!(
+        e.contains("broken after line 4 of 9 was answered (the sender ended without a word)"),
+        "{e}"
+    );
+    assert!(
+        e.contains("--resume") && e.contains("--discard-journal"),
+        "{e}"
+    );
     std::fs::write(&path, journal(Some(false))).unwrap();
     assert!(text_of(make_room(&path, false).unwrap_err()).contains("(ALARM:1)"));
     assert!(path.exists());
@@ -98,11 +104,21 @@ fn options_are_read_as_people_mean_them() {
     let read = |text: &str| Line::try_parse_from(text.split(' ')).map(|l| l.args);
     let resumed = read("send --resume").unwrap();
     assert!(resumed.wanted() && resumed.options() == ResumeOptions::default());
-    assert_eq!(read("send --from-line 9").unwrap().options().overlap, Overlap::Nothing);
-    let own = read("send --resume --overlap 0 --safe-z -3.5 --trust-position").unwrap().options();
-    assert_eq!((own.overlap, own.safe_z, own.trust), (Overlap::Mm(0.0), Some(-3.5), Trust::Operator));
+    assert_eq!(
+        read("send --from-line 9").unwrap().options().overlap,
+        Overlap::Nothing
+    );
+    let own = read("send --resume --overlap 0 --safe-z -3.5 --trust-position")
+        .unwrap()
+        .options();
+    assert_eq!(
+        (own.overlap, own.safe_z, own.trust),
+        (Overlap::Mm(0.0), Some(-3.5), Trust::Operator)
+    );
     assert!(!read("send").unwrap().wanted());
     assert!(read("send --resume --from-line 9").is_err());
     assert!(read("send --resume --discard-journal").is_err());
-    assert!(read("send --resume --overlap -1").is_err() && read("send --resume --safe-z nan").is_err());
+    assert!(
+        read("send --resume --overlap -1").is_err() && read("send --resume --safe-z nan").is_err()
+    );
 }

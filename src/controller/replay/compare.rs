@@ -7,7 +7,7 @@ use crate::wire::{Position, State, Status};
 /// Machine time by which a position in motion may be off, s.
 const IN_MOTION: f64 = 0.005;
 /// Slowest speed taken for an axis in motion, mm/min: a ramp reports less than it does.
-const LEAST_SPEED: f64 = 60.0;
+const LEAST_SPEED: f64 = 600.0;
 
 /// One answer that is not the recorded one.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -106,7 +106,13 @@ fn alike(want: &str, got: &str, speed: f64) -> bool {
     };
     let moving = matches!(
         w.state,
-        State::Run | State::Jog | State::Home | State::Hold { at_rest: false } | State::Door(_)
+        // An alarm may have cut a motion off.
+        State::Run
+            | State::Jog
+            | State::Home
+            | State::Alarm
+            | State::Hold { at_rest: false }
+            | State::Door(_)
     );
     let by = speed / 60.0 * IN_MOTION + 1e-3;
     let near = match (w.position, g.position) {

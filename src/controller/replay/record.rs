@@ -110,7 +110,9 @@ pub enum RecordError {
         want: &'static str,
     },
     /// No such pin.
-    #[error("there is no pin {0:?}: name X_LIMIT, Y_LIMIT, Z_LIMIT, PROBE, RESET, FEED_HOLD, CYCLE_START or SAFETY_DOOR")]
+    #[error(
+        "there is no pin {0:?}: name X_LIMIT, Y_LIMIT, Z_LIMIT, PROBE, RESET, FEED_HOLD, CYCLE_START or SAFETY_DOOR"
+    )]
     Pin(String),
 }
 

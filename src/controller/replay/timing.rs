@@ -18,7 +18,9 @@ pub struct Timed {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum TimingError {
     /// The controller stopped answering.
-    #[error("line {line}: no answer after {seconds} s of machine time: the program holds (M0), or an alarm ended it")]
+    #[error(
+        "line {line}: no answer after {seconds} s of machine time: the program holds (M0), or an alarm ended it"
+    )]
     Silent {
         /// Line of the program, from 1.
         line: usize,

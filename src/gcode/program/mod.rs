@@ -36,10 +36,14 @@ use frame::{Frame, Watch};
 use labels::Labels;
 use std::io::{self, BufRead, Seek};
 
+/// More than nearly any line has.
+pub const LINE_BYTES: usize = 256;
+
 /// How a program is read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Reading {
-    /// So many lines may be read again (loops, calls) before a program is refused for not ending.
+    /// So many lines may be read again (loops, calls) before a program is refused for not ending. Each [`LINE_BYTES`] of a long line
+    /// count as one more.
     pub lines_again: u64,
     /// Comments are kept until taken with [`Interpreter::take_comments`].
     pub comments: bool,
@@ -243,7 +247,8 @@ impl<R: BufRead + Seek> Interpreter<R> {
             Err(e) => return Err(unreadable(&e).locate("", here.line)),
         };
         if line < self.furthest.line {
-            self.again += 1;
+            // A line as long as a page is as much work as a page of lines.
+            self.again += 1 + (text.len() / LINE_BYTES) as u64;
             if self.again > self.reading.lines_again {
                 self.over = true;
                 let lines = self.reading.lines_again;

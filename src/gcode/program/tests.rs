@@ -344,3 +344,33 @@ proptest! {
         prop_assert_eq!(read, want);
     }
 }
+
+#[test]
+fn a_name_as_long_as_a_book_is_not_repeated_whole() {
+    let text = format!("o1 {}\nM2\n", "x".repeat(100_000));
+    let errors = interpret(&text, Dialect::LinuxCnc).unwrap_err();
+    let said = errors[0].to_string();
+    assert!(
+        said.starts_with("1:1 xxx") && said.ends_with("continue"),
+        "{said}"
+    );
+    assert!(
+        said.contains("x ... x") && said.len() < 1100,
+        "{}",
+        said.len()
+    );
+}
+
+#[test]
+fn long_lines_use_up_a_loops_patience_sooner() {
+    let lap =
+        |line: &str| format!("#1=0\no1 while [#1 LT 100]\n#1=[#1+1]\n{line}\no1 endwhile\nM2\n");
+    let text = lap("G0 X1");
+    let mut short = over(&text, Dialect::LinuxCnc, 1000);
+    assert_eq!(short.read_all(&mut Vec::new()), []);
+    let text = lap(&format!("G0 X1 ({})", "x".repeat(10 * LINE_BYTES)));
+    let mut long = over(&text, Dialect::LinuxCnc, 1000);
+    let errors = long.read_all(&mut Vec::new());
+    let last = errors.last().unwrap().to_string();
+    assert!(last.contains("1000 lines were read again"), "{last}");
+}

@@ -2,7 +2,7 @@
 
 use super::Meaning::*;
 use super::common::*;
-use super::{Entry, OffsetTwenty, Rules};
+use super::{Entry, OffsetTwenty, Rules, Unit};
 use crate::gcode::codes::{Letters, NonModal};
 use crate::gcode::cycle::CycleRules;
 
@@ -36,7 +36,7 @@ const OWN_M: &[Entry] = &[
     (
         2500,
         Refused(
-            "it moves Z to the second reference point (elsewhere it does something else or nothing); use G53 or G28",
+            "here it moves Z to its home, the first return point (elsewhere it does something else or nothing); use G53 or G28",
         ),
     ),
     (
@@ -61,7 +61,7 @@ const OWN_M: &[Entry] = &[
 static CYCLE_RULES: CycleRules = CycleRules {
     back: 1.27,
     repeats: b"",
-    dwell: super::Unit::Seconds,
+    dwell: Unit::Seconds,
     ..CycleRules::INDUSTRY
 };
 
@@ -69,6 +69,8 @@ pub(super) static CENTROID: Rules = Rules {
     title: "Centroid CNC12 Mill",
     source: "Centroid CNC12 Mill Operator's Manual, chapters 12 and 13 (G-codes, M-functions)",
     assumed: &[
+        "M7 and M8 may run together (the PLC program as delivered lets each switch the other off)",
+        "a rapid goes straight (the control moves Z by itself, first when it goes up, last when it goes down)",
         "G73 and G83 back off by 1.27 mm",
         "G28 and G30 go to machine zero (the return points of the control's setup)",
         "T of the same line is the tool that M6 puts in",
@@ -91,6 +93,8 @@ pub(super) static CENTROID: Rules = Rules {
     tool_limit: 200,
     home_beside_motion: true,
     length_needs_h: true,
+    dwell: &[(b'P', Unit::Seconds), (b'X', Unit::Seconds)],
+    dwell_words: "P or X (seconds)",
     twenty: OffsetTwenty::No,
     cycles: Some(&CYCLE_RULES),
     ..PLAIN

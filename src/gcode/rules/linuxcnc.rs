@@ -70,6 +70,9 @@ const OWN_M: &[Entry] = &[
 ];
 
 static CYCLE_RULES: CycleRules = CycleRules {
+    from_series: true,
+    // G73_PECK_CLEARANCE and G83_PECK_CLEARANCE of a metric machine, where its INI file says nothing (INI Configuration).
+    back: 1.0,
     repeats: b"L",
     ..CycleRules::NIST
 };
@@ -77,7 +80,9 @@ static CYCLE_RULES: CycleRules = CycleRules {
 pub(super) static LINUXCNC: Rules = Rules {
     title: "LinuxCNC 2.8 and later; PathPilot",
     source: "LinuxCNC manual (G-Code Reference, M-Code Reference, G-Code Overview)",
-    assumed: &["G73 and G83 back off by 0.254 mm"],
+    assumed: &[
+        "G73 and G83 back off by 1 mm (G73_PECK_CLEARANCE, G83_PECK_CLEARANCE of a metric machine)",
+    ],
     g: &[
         BASE,
         RADIUS,

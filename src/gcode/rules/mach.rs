@@ -2,7 +2,7 @@
 
 use super::Meaning::*;
 use super::common::*;
-use super::{Entry, OffsetTwenty, Rules};
+use super::{Entry, OffsetTwenty, Rules, Unit};
 use crate::gcode::codes::{Group, Letters};
 use crate::gcode::cycle::CycleRules;
 
@@ -80,6 +80,12 @@ pub(super) static MACH3: Rules = Rules {
     ..PLAIN
 };
 
+static UCCNC_CYCLES: CycleRules = CycleRules {
+    repeats: b"L",
+    dwell: Unit::Milliseconds,
+    ..CycleRules::NIST
+};
+
 static MACH4_CYCLES: CycleRules = CycleRules {
     repeats: b"K",
     ..CycleRules::INDUSTRY
@@ -130,9 +136,10 @@ pub(super) static MACH4: Rules = Rules {
 
 pub(super) static UCCNC: Rules = Rules {
     title: "UCCNC",
-    source: "UCCNC software documentation (CNCdrive), Supported G-codes and M-codes",
+    source: "not verified against the maker's manual; Autodesk's and FreeCAD's open posts for UCCNC, and NIST's rules",
     assumed: &[
-        "G4 P is in seconds (General settings)",
+        "G4 P is in milliseconds (General settings)",
+        "G20 and G21 do what they say (some versions pass over them and take the units of the profile)",
         "arc centres are incremental until G90.1",
         "G73 and G83 back off by 0.254 mm",
         "G28 and G30 go to machine zero",
@@ -158,6 +165,8 @@ pub(super) static UCCNC: Rules = Rules {
     m: &[M_BASE, M_TOOLED, M_OVERRIDES, &[(3100, Refused(NO_HANDLE))]],
     letters: Letters::of(b"FHIJKLNOPQRSTXYZ"),
     tool_limit: 96,
-    cycles: Some(&CYCLE_RULES),
+    dwell: &[(b'P', Unit::Milliseconds)],
+    dwell_words: "P (milliseconds)",
+    cycles: Some(&UCCNC_CYCLES),
     ..PLAIN
 };

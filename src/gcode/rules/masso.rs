@@ -2,7 +2,7 @@
 
 use super::Meaning::*;
 use super::common::*;
-use super::{Entry, OffsetTwenty, Rules};
+use super::{Entry, OffsetTwenty, Rules, Unit};
 use crate::gcode::codes::{Group, Letters};
 use crate::gcode::cycle::CycleRules;
 
@@ -40,14 +40,16 @@ const OWN: &[Entry] = &[
 
 static CYCLE_RULES: CycleRules = CycleRules {
     repeats: b"",
+    dwell: Unit::Milliseconds,
     ..CycleRules::NIST
 };
 
 pub(super) static MASSO: Rules = Rules {
     title: "Masso G3",
-    source: "MASSO documentation, Supported G-codes and M-codes (mill)",
+    source: "MASSO documentation, Supported G-codes (G02, G03, G53, N) and M-codes (M98); dwell as Autodesk's MASSO post has it",
     assumed: &[
-        "G4 P is in seconds",
+        "G4 P is in milliseconds (general settings)",
+        "R tells an arc whatever its length (the maker promises no more than 90 degrees)",
         "G73 and G83 back off by 0.254 mm",
         "G28 and G30 go to machine zero",
     ],
@@ -86,6 +88,8 @@ pub(super) static MASSO: Rules = Rules {
     ],
     letters: Letters::of(b"FHIJKLNOPQRSTXYZ"),
     tool_limit: 104,
+    dwell: &[(b'P', Unit::Milliseconds)],
+    dwell_words: "P (milliseconds)",
     twenty: OffsetTwenty::No,
     cycles: Some(&CYCLE_RULES),
     ..PLAIN

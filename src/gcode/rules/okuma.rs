@@ -48,8 +48,16 @@ const OWN: &[Entry] = &[
             "here it goes to home position P of the control (elsewhere to a stored place by way of a point); its place is not known here",
         ),
     ),
-    (4300, Refused("tool length here is G56 H; write that")),
-    (4400, Refused("tool length here is G56 H; write that")),
+    (
+        4300,
+        Refused(
+            "here it cancels a 3D offset (elsewhere it is a tool length); tool length here is G56 H",
+        ),
+    ),
+    (
+        4400,
+        Refused("here it is a 3D offset (elsewhere a tool length); tool length here is G56 H"),
+    ),
     (
         4900,
         Refused("tool length here is cancelled by G53; write that"),
@@ -113,7 +121,7 @@ const OWN_M: &[Entry] = &[
 
 pub(super) static OKUMA: Rules = Rules {
     title: "Okuma OSP, machining centre",
-    source: "Okuma CNC System OSP-P200M/P300M and OSP-E100M Programming Manual",
+    source: "lists of OSP codes and open posts for Okuma (the maker's manual was not to be had in full)",
     assumed: &[
         "numbers of X Y Z I J K R F without a decimal point are refused: by a parameter they count whole units or the smallest steps",
         "dwells need a decimal point for the same reason",

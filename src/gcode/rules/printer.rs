@@ -181,6 +181,7 @@ pub(super) static SMOOTHIE: Rules = Rules {
     assumed: &[
         "G4 takes S only: P is seconds in grbl mode and milliseconds else",
         "F of a G0 line is the speed of rapids alone",
+        "full circles in G18 turn as G2 and G3 say (the firmware runs them the other way round)",
     ],
     g: &[
         SMOOTHIE_OWN,
@@ -201,9 +202,13 @@ pub(super) static SMOOTHIE: Rules = Rules {
         M_BASE,
         &[M_MIST],
     ],
-    letters: Letters::of(b"FIJKLNPRSXYZ"),
+    letters: Letters::of(b"FIJKLNPSXYZ"),
     refused: &[
         E,
+        (
+            b'R',
+            "this firmware does not read it, so that the arc would run elsewhere; give the centre by I, J, K",
+        ),
         (
             b'T',
             "here it switches to another extruder at once; pause by M0 for a tool change",

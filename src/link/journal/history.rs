@@ -34,9 +34,15 @@ impl std::fmt::Display for Doubt {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Doubt::Alarm(code) => write!(f, "ALARM:{code} struck, and with it steps may be lost"),
-            Doubt::Reset => f.write_str("the controller restarted by itself in the middle of the job"),
-            Doubt::NotKept(how) => write!(f, "the sender could not be sure of the position ({how})"),
-            Doubt::Damaged => f.write_str("the journal is damaged, and an alarm or a reset may be missing from it"),
+            Doubt::Reset => {
+                f.write_str("the controller restarted by itself in the middle of the job")
+            }
+            Doubt::NotKept(how) => {
+                write!(f, "the sender could not be sure of the position ({how})")
+            }
+            Doubt::Damaged => f.write_str(
+                "the journal is damaged, and an alarm or a reset may be missing from it",
+            ),
             Doubt::Refused { line, code } => write!(
                 f,
                 "the controller refused line {line} with error:{code} and may have run the lines behind it in the wrong mode: inspect the part"

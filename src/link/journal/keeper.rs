@@ -100,7 +100,14 @@ impl Keeper {
                 {
                     self.overrides = Some(o);
                     let (feed, rapid, spindle) = (o.feed, o.rapid, o.spindle);
-                    self.writer.note(Record::Override { feed, rapid, spindle }, now);
+                    self.writer.note(
+                        Record::Override {
+                            feed,
+                            rapid,
+                            spindle,
+                        },
+                        now,
+                    );
                 }
                 let Some(machine) = report.machine_position else {
                     return;
@@ -161,19 +168,21 @@ impl Keeper {
             let mut failed = None;
             let (ahead, next, ends) = (&mut self.ahead, &mut self.next, &mut self.ends);
             let (total, source) = (&mut self.total_bytes, &mut self.source);
-            let more = self.allowance.extend(self.sent_bytes, self.answered_bytes, |_| {
-                if next.is_none() {
-                    match ahead.next_line() {
-                        Ok(line) => *next = line.map(|l| (l.bytes(), l.source)),
-                        Err(e) => failed = Some(e),
+            let more = self
+                .allowance
+                .extend(self.sent_bytes, self.answered_bytes, |_| {
+                    if next.is_none() {
+                        match ahead.next_line() {
+                            Ok(line) => *next = line.map(|l| (l.bytes(), l.source)),
+                            Err(e) => failed = Some(e),
+                        }
                     }
-                }
-                let (length, line) = next.take()?;
-                *total += length;
-                *source = line;
-                ends.push_back(*total);
-                Some(length)
-            });
+                    let (length, line) = next.take()?;
+                    *total += length;
+                    *source = line;
+                    ends.push_back(*total);
+                    Some(length)
+                });
             if let Some(e) = failed {
                 return Err(e);
             }

@@ -28,7 +28,6 @@ mod allowance;
 mod file;
 mod history;
 mod keeper;
-mod kept;
 mod line;
 mod reader;
 mod record;
@@ -38,9 +37,8 @@ pub use allowance::Allowance;
 pub use file::{JournalFile, SYNC_GAP};
 pub use history::{Doubt, History};
 pub use keeper::{Keeper, Turn};
-pub use kept::{Keep, drive_kept};
 pub use reader::{Damage, read};
 pub use record::{
-    Begin, FORMAT, Offsets, Record, Resumed, Start, Stamped, ToolChange, fingerprint,
+    Begin, FORMAT, Offsets, Record, Resumed, Stamped, Start, ToolChange, fingerprint,
 };
 pub use writer::{FLUSH_WITHIN, Writer};

@@ -172,7 +172,11 @@ impl Record {
     pub fn is_sound(&self) -> bool {
         let all = |v: &[f64]| v.iter().all(|x| x.is_finite());
         let offsets = |o: &Offsets| {
-            o.g5x.iter().all(|v| all(v)) && all(&o.g28) && all(&o.g30) && all(&o.g92) && all(&[o.tlo])
+            o.g5x.iter().all(|v| all(v))
+                && all(&o.g28)
+                && all(&o.g30)
+                && all(&o.g92)
+                && all(&[o.tlo])
         };
         match self {
             Record::Begin(b) => {

@@ -54,7 +54,10 @@ fn some_record() -> impl Strategy<Value = Record> {
             Record::ToolChange(ToolChange {
                 line,
                 tool: Some(2),
-                offsets: tlo.map(|tlo| Offsets { tlo, ..Offsets::default() }),
+                offsets: tlo.map(|tlo| Offsets {
+                    tlo,
+                    ..Offsets::default()
+                }),
             })
         }),
         (0u16..30).prop_map(|code| Record::Alarm { code }),
@@ -85,14 +88,21 @@ fn a_record_is_a_line_that_people_can_read() {
     let text = String::from_utf8(w.take()).unwrap();
     let mut lines = text.lines();
     let first = lines.next().unwrap();
-    assert!(first.starts_with("0 ") && first.contains(r#""event":"begin","format":1,"program":"a b \"c\" ä.nc""#), "{first}");
+    assert!(
+        first.starts_with("0 ")
+            && first.contains(r#""event":"begin","format":1,"program":"a b \"c\" ä.nc""#),
+        "{first}"
+    );
     let second = lines.next().unwrap();
     assert_eq!(second, r#"1 e542e753 {"t":1.5,"event":"alarm","code":1}"#);
     assert_eq!(lines.next(), None);
-    assert_eq!(history(text.as_bytes()).begin, match begin() {
-        Record::Begin(b) => Some(*b),
-        _ => None,
-    });
+    assert_eq!(
+        history(text.as_bytes()).begin,
+        match begin() {
+            Record::Begin(b) => Some(*b),
+            _ => None,
+        }
+    );
 }
 
 #[test]
@@ -105,7 +115,9 @@ fn a_journal_adds_up() {
         Record::Alarm { code: 1 },
         Record::Error { line: 5, code: 33 },
         Record::Reset,
-        Record::Stopping { why: "alarm".into() },
+        Record::Stopping {
+            why: "alarm".into(),
+        },
         Record::End {
             how: "ALARM:1".into(),
             done: false,

@@ -134,8 +134,20 @@ mod tests {
         assert!(!w.due(ms(40)) && w.due(ms(51)));
         let said = text(&mut w);
         let mut lines = said.lines();
-        assert!(lines.next().unwrap().ends_with(r#" {"t":0.001,"event":"sent","line":9}"#), "{said}");
-        assert!(lines.next().unwrap().ends_with(r#" {"t":0.007,"event":"acknowledged","line":3}"#), "{said}");
+        assert!(
+            lines
+                .next()
+                .unwrap()
+                .ends_with(r#" {"t":0.001,"event":"sent","line":9}"#),
+            "{said}"
+        );
+        assert!(
+            lines
+                .next()
+                .unwrap()
+                .ends_with(r#" {"t":0.007,"event":"acknowledged","line":3}"#),
+            "{said}"
+        );
         assert_eq!(lines.next(), None);
         assert!(!w.due(ms(1000)) && w.take().is_empty());
     }

@@ -180,10 +180,7 @@ mod tests {
             b"$I\n" => b"[VER:1.1h.20190830:]\r\n[OPT:V,15,128]\r\nok\r\n".to_vec(),
             _ => Vec::new(),
         });
-        assert_eq!(
-            found.to_string(),
-            "Grbl 1.1h, version 1.1h.20190830, Idle"
-        );
+        assert_eq!(found.to_string(), "Grbl 1.1h, version 1.1h.20190830, Idle");
         assert!(time < 2.0, "{time}");
         assert_eq!(written, b"?$I\n");
     }

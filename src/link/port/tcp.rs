@@ -165,9 +165,7 @@ mod tests {
         assert_eq!(got, b"$$\n");
         assert_eq!(
             end.to_string(),
-            format!(
-                "tcp://{at}/: the port is gone: check the cable and the controller's power"
-            )
+            format!("tcp://{at}/: the port is gone: check the cable and the controller's power")
         );
         far.join().unwrap();
     }

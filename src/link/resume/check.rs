@@ -272,8 +272,9 @@ fn from_path(
             };
             match &m.arc {
                 None => go(m.to + shift),
-                Some(arc) => chords(&m.from, &m.to, arc, Mm(NEAR / 10.0))
-                    .for_each(|p| go(p + shift)),
+                Some(arc) => {
+                    chords(&m.from, &m.to, arc, Mm(NEAR / 10.0)).for_each(|p| go(p + shift))
+                }
             }
         }
         if !found {

@@ -51,11 +51,7 @@ struct Candidate {
 ///
 /// # Errors
 /// The program does not read; it probes before the entry; nothing moves from there on.
-pub fn entry(
-    program: &Program,
-    first: usize,
-    overlap: Overlap,
-) -> Result<Entry, Refusal> {
+pub fn entry(program: &Program, first: usize, overlap: Overlap) -> Result<Entry, Refusal> {
     let mut walk = program.walk();
     let mut back: VecDeque<Candidate> = VecDeque::new();
     let (mut path, mut moves, mut slowest) = (0.0, 0, None::<f64>);
@@ -77,7 +73,11 @@ pub fn entry(
         if walk.changed_tool() {
             back.clear();
         }
-        if walk.events().iter().any(|e| matches!(e, Event::Probe { .. })) {
+        if walk
+            .events()
+            .iter()
+            .any(|e| matches!(e, Event::Probe { .. }))
+        {
             return Err(Refusal::Probes { line });
         }
         if !moves_at_all(&walk) {
@@ -156,7 +156,12 @@ fn can_enter(before: &State, walk: &Walk) -> bool {
         return false;
     }
     // A change of tool belongs before the way in; a line that also changes offsets does not begin where the state before it says.
-    if walk.changed_tool() || walk.events().iter().any(|e| matches!(e, Event::Sync { .. })) {
+    if walk.changed_tool()
+        || walk
+            .events()
+            .iter()
+            .any(|e| matches!(e, Event::Sync { .. }))
+    {
         return false;
     }
     if matches!(before.motion, MotionMode::Rapid | MotionMode::Linear) {

@@ -278,7 +278,7 @@ fn plan(
     let needed = highest(program)?.unwrap_or(over.z);
     let needed = round_up(needed.max(over.z));
     let safe = options.safe_z.unwrap_or(needed);
-    if !(safe >= needed - 1e-9) {
+    if safe.is_nan() || safe < needed - 1e-9 {
         return Err(Refusal::SafeTooLow {
             given: safe,
             needed,
@@ -325,7 +325,11 @@ fn within_travel(now: &Now, machine: &[f64; 3], point: &[f64; 3]) -> Result<(), 
     let travel = [130, 131, 132].map(|n| now.setting(n).unwrap_or(f64::INFINITY));
     let outside = |p: f64, travel: f64, by: f64| p > by || p < -travel - by;
     // Travel lies below machine zero, but for builds that keep zero where homing found it: the session's vetting knows those.
-    if machine.iter().zip(travel).any(|(p, t)| outside(*p, t, 1e-3)) {
+    if machine
+        .iter()
+        .zip(travel)
+        .any(|(p, t)| outside(*p, t, 1e-3))
+    {
         return Ok(());
     }
     for ((axis, value), travel) in ['X', 'Y', 'Z'].into_iter().zip(*point).zip(travel) {

@@ -115,7 +115,10 @@ fn same_state(a: &State, b: &State) -> Result<(), &'static str> {
         ((0..3).all(|i| near(a.g92[i], b.g92[i])), "G92"),
         ((0..3).all(|i| near(a.position[i], b.position[i])), "place"),
         // In G93 every block has its own F.
-        (a.feed_mode == FeedMode::InverseTime || near(a.feed.0, b.feed.0), "feed"),
+        (
+            a.feed_mode == FeedMode::InverseTime || near(a.feed.0, b.feed.0),
+            "feed",
+        ),
     ];
     match rules.iter().find(|r| !r.0) {
         Some((_, what)) => Err(what),

@@ -7,13 +7,17 @@ use crate::link::journal::Doubt;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Refusal {
     /// Nothing usable in the journal.
-    #[error("the journal does not even tell which job it is of: begin the job afresh with --discard-journal")]
+    #[error(
+        "the journal does not even tell which job it is of: begin the job afresh with --discard-journal"
+    )]
     Empty,
     /// The job was finished.
     #[error("the job was carried out to its end: there is nothing to resume")]
     Finished,
     /// The job broke before its first line.
-    #[error("nothing of the program was sent before the job broke: begin it afresh with --discard-journal")]
+    #[error(
+        "nothing of the program was sent before the job broke: begin it afresh with --discard-journal"
+    )]
     NothingSent,
     /// Another text.
     #[error(
@@ -27,7 +31,9 @@ pub enum Refusal {
     #[error("the program does not read as it did when it was sent: line {0}")]
     Unreadable(InterpretError),
     /// Another machine.
-    #[error("the journal is of machine `{journal}`, and this is `{now}`: resume on the machine that began the job")]
+    #[error(
+        "the journal is of machine `{journal}`, and this is `{now}`: resume on the machine that began the job"
+    )]
     OtherMachine {
         /// In the journal.
         journal: String,
@@ -102,13 +108,17 @@ pub enum Refusal {
         last: usize,
     },
     /// A probe decides what comes later.
-    #[error("line {line} probes, and what it found is not in the program: begin behind it with --from-line, with the zero set by hand")]
+    #[error(
+        "line {line} probes, and what it found is not in the program: begin behind it with --from-line, with the zero set by hand"
+    )]
     Probes {
         /// The line.
         line: usize,
     },
     /// No way in.
-    #[error("no motion to enter at before the program ends, from line {line} on: what is left needs no cutting")]
+    #[error(
+        "no motion to enter at before the program ends, from line {line} on: what is left needs no cutting"
+    )]
     NoEntry {
         /// First line looked at.
         line: usize,
@@ -131,7 +141,9 @@ pub enum Refusal {
         line: usize,
     },
     /// The lift does not fit the machine.
-    #[error("{axis} {value:.3} mm (machine coordinates) lies outside of the travel from {low:.3} to {high:.3}: give another --safe-z")]
+    #[error(
+        "{axis} {value:.3} mm (machine coordinates) lies outside of the travel from {low:.3} to {high:.3}: give another --safe-z"
+    )]
     OutsideTravel {
         /// Axis letter.
         axis: char,
@@ -143,7 +155,9 @@ pub enum Refusal {
         high: f64,
     },
     /// Too low to travel at.
-    #[error("--safe-z {given:.3} is below the highest place that the program goes to, {needed:.3} (machine coordinates): the way in could cross the part")]
+    #[error(
+        "--safe-z {given:.3} is below the highest place that the program goes to, {needed:.3} (machine coordinates): the way in could cross the part"
+    )]
     SafeTooLow {
         /// Given, mm.
         given: f64,
@@ -151,7 +165,9 @@ pub enum Refusal {
         needed: f64,
     },
     /// The resumed program is not the same. A mistake of ours, caught.
-    #[error("the resumed program would not cut what the straight run cuts ({what}, line {line}): not sent. Please report this")]
+    #[error(
+        "the resumed program would not cut what the straight run cuts ({what}, line {line}): not sent. Please report this"
+    )]
     Unproven {
         /// Line of the program.
         line: usize,

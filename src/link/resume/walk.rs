@@ -81,7 +81,8 @@ impl<'a> Walk<'a> {
         if self.content.is_empty() && !change {
             return Some(Ok(self.line));
         }
-        if let Err(e) = interpret_line(&mut self.state, &self.content, self.line, &mut self.events) {
+        if let Err(e) = interpret_line(&mut self.state, &self.content, self.line, &mut self.events)
+        {
             return Some(Err(e));
         }
         if self.state.tool != 0 {

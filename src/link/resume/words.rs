@@ -85,7 +85,11 @@ impl fmt::Display for Plan {
         }
         if s.g92.norm() != 0.0 {
             let g = s.g92;
-            write!(f, ", G92 offset X{:.3} Y{:.3} Z{:.3} set again", g.x, g.y, g.z)?;
+            write!(
+                f,
+                ", G92 offset X{:.3} Y{:.3} Z{:.3} set again",
+                g.x, g.y, g.z
+            )?;
         }
         if s.tlo != 0.0 {
             write!(f, ", tool length {:.3} set again", s.tlo)?;

@@ -6,6 +6,11 @@ use super::{Post, Template};
 use crate::machine::data::Reader;
 use crate::post::template::Slot;
 
+/// True when every line could be read: of one that could not the reader has complained already, and what it lacks means nothing.
+fn whole(read: &[Template], written: &Lines) -> bool {
+    read.len() == written.get_ref().len()
+}
+
 /// Notes a complaint for each law that a post breaks.
 pub(super) fn check(post: &Post, f: &File, r: &mut Reader<'_>) {
     let p = &f.program;
@@ -19,7 +24,8 @@ pub(super) fn check(post: &Post, f: &File, r: &mut Reader<'_>) {
             .count()
             == 1
     };
-    if !once(&post.program.start, &[Slot::Units]) {
+    let start = whole(&post.program.start, &p.start);
+    if start && !once(&post.program.start, &[Slot::Units]) {
         let problem = "must have {units} once: without it the machine reads the numbers in whatever it was left in";
         r.complain("start", &p.start, lines(&p.start), problem);
     }
@@ -32,15 +38,17 @@ pub(super) fn check(post: &Post, f: &File, r: &mut Reader<'_>) {
             problem,
         );
     }
-    if post.spelling == Spelling::Words && !has_word(&post.program.start, 'G', 90.0) {
+    if start && post.spelling == Spelling::Words && !has_word(&post.program.start, 'G', 90.0) {
         let problem = "must have G90: the writer's coordinates are absolute";
         r.complain("start", &p.start, lines(&p.start), problem);
     }
-    if !has_word(&post.spindle.cw, 'M', 3.0) || !once(&post.spindle.cw, &[Slot::Speed]) {
+    let turns = has_word(&post.spindle.cw, 'M', 3.0) && once(&post.spindle.cw, &[Slot::Speed]);
+    if whole(&post.spindle.cw, &f.spindle.cw) && !turns {
         let problem = "must start the spindle clockwise at its speed, M3 S{speed}";
         r.complain("cw", &f.spindle.cw, lines(&f.spindle.cw), problem);
     }
     if let Some(ccw) = &f.spindle.ccw
+        && whole(&post.spindle.ccw, ccw)
         && !(has_word(&post.spindle.ccw, 'M', 4.0) && once(&post.spindle.ccw, &[Slot::Speed]))
     {
         let problem = "must start the spindle counter-clockwise at its speed, M4 S{speed}";
@@ -49,12 +57,14 @@ pub(super) fn check(post: &Post, f: &File, r: &mut Reader<'_>) {
     check_off(post, f, r);
     check_end(post, f, r);
     if let Some(dwell) = &f.dwell
+        && whole(&post.dwell, dwell)
         && !once(&post.dwell, &[Slot::Seconds, Slot::Milliseconds])
     {
         let problem = "must have {seconds} or {milliseconds} once";
         r.complain("dwell", dwell, lines(dwell), problem);
     }
     if let Some(machine) = f.rapid.as_ref().and_then(|t| t.machine.as_ref())
+        && whole(&post.machine_rapid, machine)
         && !once(&post.machine_rapid, &[Slot::Axes])
     {
         let problem = "must have {axes} once";
@@ -67,24 +77,26 @@ pub(super) fn check(post: &Post, f: &File, r: &mut Reader<'_>) {
     .into_iter()
     .flatten()
     {
-        if post.machine_rapid.is_empty() {
+        let none = f.rapid.as_ref().is_none_or(|t| t.machine.is_none());
+        if none {
             let problem = "needs [rapid] machine, the line of a rapid in machine coordinates";
             r.complain("retract_z_mm", z, z.get_ref().to_string(), problem);
         }
     }
     if let Some(tool) = &f.tool
-        && !post.tool.change.is_empty()
+        && !tool.change.get_ref().is_empty()
+        && whole(&post.tool.change, &tool.change)
         && !once(&post.tool.change, &[Slot::Tool])
     {
         let problem = "must have {tool} once, or be [] where there is no tool change";
         r.complain("change", &tool.change, lines(&tool.change), problem);
     }
     if let Some(further) = f.work_offsets.as_ref().and_then(|t| t.further.as_ref())
-        && !post
+        && post
             .work_offsets
             .further
             .as_ref()
-            .is_some_and(|t| t.has(Slot::Offset))
+            .is_some_and(|t| !t.has(Slot::Offset))
     {
         let problem = "must have {offset}";
         r.complain(
@@ -110,12 +122,12 @@ pub(super) fn check(post: &Post, f: &File, r: &mut Reader<'_>) {
 /// The last lines switch everything off: the writer relies on it.
 fn check_off(post: &Post, f: &File, r: &mut Reader<'_>) {
     let p = &f.program;
-    if !has_word(&post.spindle.off, 'M', 5.0) {
+    if whole(&post.spindle.off, &f.spindle.off) && !has_word(&post.spindle.off, 'M', 5.0) {
         let problem = "must stop the spindle, M5";
         r.complain("off", &f.spindle.off, "[...]".into(), problem);
     }
     if let Some(coolant) = &f.coolant
-        && post.coolant.off.is_empty()
+        && coolant.off.get_ref().is_empty()
     {
         r.complain(
             "off",
@@ -136,7 +148,7 @@ fn check_off(post: &Post, f: &File, r: &mut Reader<'_>) {
                     .parse()
                     .is_ok_and(|n| !has_word(&post.program.end, *letter, n))
             });
-        if let Some((letter, number)) = missing {
+        if let (Some((letter, number)), true) = (missing, whole(&post.program.end, &p.end)) {
             let problem = format!(
                 "must have {letter}{number}, to switch the {what} off, as [{what}] off has it"
             );
@@ -163,29 +175,61 @@ fn check_end(post: &Post, f: &File, r: &mut Reader<'_>) {
         Some(n) => has_word(&post.program.end, 'M', n),
         None => end.is_empty() || post.program.end.iter().any(says),
     };
-    if !there {
+    if !there && whole(&post.program.end, &p.end) {
         let problem = format!("must have {end}, to end the program, as ends_with says");
         r.complain("end", &p.end, "[...]".into(), problem);
     }
+    let coolant = f.coolant.as_ref();
     let early = [
-        &post.program.first,
-        &post.program.start,
-        &post.spindle.cw,
-        &post.spindle.ccw,
-        &post.spindle.off,
-        &post.coolant.flood,
-        &post.coolant.mist,
-        &post.coolant.both,
-        &post.coolant.off,
-        &post.tool.change,
-        &post.dwell,
-        &post.pause,
-        &post.optional_pause,
-        &post.machine_rapid,
+        ("first", &post.program.first, p.first.as_ref()),
+        ("start", &post.program.start, Some(&p.start)),
+        ("cw", &post.spindle.cw, Some(&f.spindle.cw)),
+        ("ccw", &post.spindle.ccw, f.spindle.ccw.as_ref()),
+        ("off", &post.spindle.off, Some(&f.spindle.off)),
+        (
+            "flood",
+            &post.coolant.flood,
+            coolant.and_then(|c| c.flood.as_ref()),
+        ),
+        (
+            "mist",
+            &post.coolant.mist,
+            coolant.and_then(|c| c.mist.as_ref()),
+        ),
+        (
+            "both",
+            &post.coolant.both,
+            coolant.and_then(|c| c.both.as_ref()),
+        ),
+        ("off", &post.coolant.off, coolant.map(|c| &c.off)),
+        (
+            "change",
+            &post.tool.change,
+            f.tool.as_ref().map(|t| &t.change),
+        ),
+        ("dwell", &post.dwell, f.dwell.as_ref()),
+        ("pause", &post.pause, f.pause.as_ref()),
+        (
+            "optional_pause",
+            &post.optional_pause,
+            f.optional_pause.as_ref(),
+        ),
+        (
+            "machine",
+            &post.machine_rapid,
+            f.rapid.as_ref().and_then(|t| t.machine.as_ref()),
+        ),
     ];
-    if early.into_iter().flatten().any(says) {
-        let problem = "M2 and M30 belong to the last lines: before them they would end the program before it cuts";
-        r.complain("ends_with", &p.ends_with, format!("\"{end}\""), problem);
+    for (key, read, written) in early {
+        let Some(written) = written.filter(|w| whole(read, w)) else {
+            continue;
+        };
+        for (line, text) in read.iter().zip(written.get_ref()) {
+            if says(line) {
+                let problem = "M2 and M30 belong to the last lines, [program] end: here they would end the program before it cuts";
+                r.complain(key, text, format!("\"{}\"", text.get_ref()), problem);
+            }
+        }
     }
 }
 

@@ -21,6 +21,7 @@ pub(super) fn post(name: &str, file: &str, text: &str) -> Result<Post, DataError
             .as_ref()
             .is_none_or(|s| s.get_ref() != "heidenhain"),
         forbidden: f.comments.forbidden.get_ref().clone(),
+        longest: *f.lines.longest.get_ref(),
         r: &mut r,
     }
     .post(name, &f);
@@ -33,6 +34,8 @@ struct Hand<'r, 'a> {
     r: &'r mut Reader<'a>,
     iso: bool,
     forbidden: String,
+    /// Characters of a line.
+    longest: f64,
 }
 
 impl Hand<'_, '_> {
@@ -436,6 +439,12 @@ impl Hand<'_, '_> {
             Ok(_) if text != "%" && text.contains(|c| self.forbidden.contains(c)) => format!(
                 "has one of {}, which this dialect forbids even in comments",
                 self.forbidden
+            ),
+            // What fills the slots comes on top; the writer looks at that.
+            Ok(t) if t.least_length() as f64 > self.longest => format!(
+                "has {} characters, and [lines] longest is {}: split it into two lines",
+                t.least_length(),
+                self.longest
             ),
             Ok(t) => return Some(t),
             Err(problem) => problem,

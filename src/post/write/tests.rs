@@ -315,7 +315,7 @@ fn what_cannot_be_written_is_refused_by_name() {
     };
     assert_eq!(
         refusal(&path(), &mist),
-        "post grbl: this controller has no Mist coolant: choose another, or none"
+        "post grbl: this controller has no words for mist: choose another coolant, or none; where yours has them, write them into [coolant]"
     );
     let mut tight = post.clone();
     tight.longest = 15;
@@ -434,7 +434,7 @@ fn arcs_that_cannot_be_written_are_refused_or_straight() {
     let all = std::mem::replace(&mut post.arcs, crate::post::definition::Arcs::NONE);
     assert_eq!(
         refusal(&arcs(), &post),
-        "post grbl: move 2: it is a helix of 90.0 degrees with radius 10.0000 mm in plane XY, and this controller takes none: let it be written as lines, and say within what tolerance"
+        "post grbl: move 2: it is a helix of 90.0 degrees with radius 10.0000 mm in plane XY, and this controller takes none: let it be written as lines within a tolerance (--arcs-to-lines 0.005)"
     );
     post.arcs = all;
     let mut p = arcs();

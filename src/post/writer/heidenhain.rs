@@ -1,7 +1,8 @@
 //! Motions in Heidenhain's conversational language: `L X+10 Y+20 R0 FMAX`, `CC` and `C`, helices as `CP`.
 
+use super::circle::Circle;
 use super::page::Kind;
-use super::scribe::{Circle, Scribe};
+use super::scribe::Scribe;
 use crate::geom::Plane;
 use crate::post::definition::Numbers;
 use crate::post::error::Refusal;
@@ -86,7 +87,7 @@ impl<W: Write> Scribe<'_, W> {
             let turn = number::round(sweep.to_degrees(), self.post.decimals.angle);
             let turn = turn.ok_or(Refusal::Cannot {
                 what: "helix of so many turns",
-                remedy: "let it be split into arcs",
+                remedy: "let it be split into arcs (--split-circles)",
             })?;
             let signed = Numbers {
                 plus: true,

@@ -3,18 +3,13 @@
 use super::page::{Kind, Page};
 use crate::cldata::{Bow, Coolant, Place, Step};
 use crate::geom::{Plane, Point};
-use crate::post::definition::{Fit, Numbers, Post, Shape, Spelling, Units};
+use crate::post::definition::{Post, Spelling, Units};
 use crate::post::error::Refusal;
 use crate::post::number;
 use crate::post::options::Options;
 use crate::post::template::{Piece, Slot, Template};
 use crate::units::{Rpm, Seconds};
 use std::io::Write;
-
-/// Radii of start and end that differ by more than this, mm, are not written: LinuxCNC takes 1.27 um or 0.1 %, GRBL 5 um.
-const RADII_DIFFER: f64 = 0.0012;
-/// An arc's turn and its ends must agree to this, mm along the circle, and a thousandth of its radius.
-const ENDS_DIFFER: f64 = 0.002;
 
 /// How much of the program's head is written.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -27,19 +22,6 @@ enum Head {
     Over,
 }
 
-/// An arc as it is written.
-pub(super) struct Circle {
-    pub plane: Plane,
-    /// Centre along the plane's two axes, in units of the last decimal.
-    pub center: [i64; 2],
-    /// Start along the plane's two axes, likewise.
-    pub start: [i64; 2],
-    /// Mean radius, likewise.
-    pub radius: i64,
-    /// Signed turn, rad.
-    pub sweep: f64,
-}
-
 /// Writes steps.
 pub(super) struct Scribe<'a, W> {
     pub post: &'a Post,
@@ -49,7 +31,7 @@ pub(super) struct Scribe<'a, W> {
     /// Where each axis is, in units of the last decimal; `None` until told.
     pub at: [Option<i64>; 3],
     /// The same before rounding, mm.
-    exact: Place,
+    pub exact: Place,
     /// 0 to 3 after a motion.
     pub motion: Option<u8>,
     /// The last F, in units of its last decimal.
@@ -64,12 +46,12 @@ pub(super) struct Scribe<'a, W> {
     pub decimals: u8,
     pub feed_decimals: u8,
     pub rapid_feed: Option<i64>,
-    units: Units,
+    pub units: Units,
     head: Head,
-    tool: Option<u32>,
-    tolerance: Option<i64>,
-    name: String,
-    number: u32,
+    pub tool: Option<u32>,
+    pub tolerance: Option<i64>,
+    pub name: String,
+    pub number: u32,
     split_comments: bool,
 }
 
@@ -290,6 +272,7 @@ impl<'a, W: Write> Scribe<'a, W> {
             Coolant::Off => return self.each(&lines.off, Kind::Words),
             Coolant::Flood => &lines.flood,
             Coolant::Mist => &lines.mist,
+            Coolant::Both => &lines.both,
         };
         match lines.is_empty() {
             true => Err(Refusal::NoCoolant(kind)),
@@ -473,196 +456,11 @@ impl<'a, W: Write> Scribe<'a, W> {
     }
 
     /// A coordinate as written.
-    fn length(&self, axis: char, value: f64) -> Result<i64, Refusal> {
+    pub fn length(&self, axis: char, value: f64) -> Result<i64, Refusal> {
         number::round(value / self.units.mm(), self.decimals).ok_or(match value.is_finite() {
             true => Refusal::TooLarge { axis, value },
             false => Refusal::NotFinite { axis, value },
         })
-    }
-
-    /// An arc as it is written; `None` where it rounds to less than a unit of the last decimal and a straight line says the same.
-    fn circle(
-        &self,
-        bow: &Bow,
-        to: &Point,
-        counts: [Option<i64>; 3],
-    ) -> Result<Option<Circle>, Refusal> {
-        let [u, v, w] = bow.plane.axes();
-        let letters = ['X', 'Y', 'Z'];
-        let center = [
-            self.length(letters[u], bow.center[u])?,
-            self.length(letters[v], bow.center[v])?,
-        ];
-        let refuse = |problem| Refusal::ArcRounding {
-            plane: bow.plane,
-            center: [bow.center[u], bow.center[v]],
-            decimals: self.decimals,
-            problem,
-        };
-        let ([Some(ex), Some(ey), Some(ez)], [Some(x), Some(y)], [Some(tx), Some(ty)]) =
-            (self.exact, [self.at[u], self.at[v]], [counts[u], counts[v]])
-        else {
-            return Err(refuse("it has no start"));
-        };
-        if !(bow.sweep.is_finite() && bow.sweep != 0.0) {
-            return Err(refuse("its turn is no angle"));
-        }
-        let from = Point::new(ex, ey, ez);
-        let hub = {
-            let mut hub = bow.center;
-            hub[w] = from[w];
-            hub
-        };
-        let shape = Shape::new(bow.plane, &from, to, &hub, bow.sweep);
-        let arcs = &self.post.arcs;
-        if arcs.fit(&shape) != Fit::Good {
-            let (what, takes) = arcs.complaint(&shape);
-            return Err(Refusal::Arc {
-                what,
-                takes,
-                remedy: match arcs.fit(&shape) {
-                    Fit::TurnsTooFar => "let it be split into arcs",
-                    _ => "let it be written as lines, and say within what tolerance",
-                },
-            });
-        }
-        // The ends and the turn must tell the same arc.
-        let angle = |p: &Point| (p[v] - bow.center[v]).atan2(p[u] - bow.center[u]);
-        let off = (angle(to) - angle(&from) - bow.sweep).rem_euclid(std::f64::consts::TAU);
-        let off = off.min(std::f64::consts::TAU - off) * shape.radius;
-        if off > ENDS_DIFFER + 0.001 * shape.radius {
-            return Err(refuse("its turn does not lead from its start to its end"));
-        }
-        if [x, y] == [tx, ty] && bow.sweep.abs() < std::f64::consts::PI {
-            return Ok(None);
-        }
-        let unit = self.units.mm() * 0.1_f64.powi(i32::from(self.decimals));
-        let spoke = |a: i64, b: i64| {
-            let (a, b) = (a - center[0], b - center[1]);
-            [a as f64 * unit, b as f64 * unit]
-        };
-        let (start, end) = (spoke(x, y), spoke(tx, ty));
-        let (rs, re) = (start[0].hypot(start[1]), end[0].hypot(end[1]));
-        if rs == 0.0 || re == 0.0 {
-            return Err(refuse("its radius becomes zero"));
-        }
-        if (rs - re).abs() > RADII_DIFFER.max(0.001 * rs.min(re)) {
-            return Err(refuse("the radii at its start and end differ"));
-        }
-        // The turn that a controller will find: the right way round, never zero, once round when the ends are one.
-        let between =
-            (start[0] * end[1] - start[1] * end[0]).atan2(start[0] * end[0] + start[1] * end[1]);
-        let found = match bow.sweep < 0.0 {
-            true if between >= 0.0 => between - std::f64::consts::TAU,
-            false if between <= 0.0 => between + std::f64::consts::TAU,
-            _ => between,
-        };
-        if (found - bow.sweep).abs() > std::f64::consts::PI {
-            return Err(refuse(
-                "a sliver of it becomes a whole turn, or the other way round",
-            ));
-        }
-        let radius = number::round(shape.radius / self.units.mm(), self.decimals);
-        Ok(Some(Circle {
-            plane: bow.plane,
-            center,
-            start: [x, y],
-            radius: radius.ok_or_else(|| refuse("its radius has too many digits"))?,
-            sweep: bow.sweep,
-        }))
-    }
-
-    /// The axis words of a move, and where the axes are then; unchanged ones are left out if `modal`.
-    pub fn axes(&mut self, to: [Option<i64>; 3], modal: bool) {
-        let manner = self.post.numbers;
-        for (axis, letter) in ["X", "Y", "Z"].into_iter().enumerate() {
-            let Some(count) = to[axis] else { continue };
-            if modal && self.at[axis] == Some(count) {
-                continue;
-            }
-            self.page.figure(letter, count, self.decimals, manner);
-            self.at[axis] = Some(count);
-        }
-    }
-
-    /// The F word, if it is not what it was.
-    pub fn feed_word(&mut self, feed: i64) {
-        if !self.post.modal.feed || self.feed != Some(feed) {
-            let manner = Numbers {
-                plus: false,
-                ..self.post.numbers
-            };
-            self.page.figure("F", feed, self.feed_decimals, manner);
-            self.feed = Some(feed);
-        }
-    }
-
-    fn each(&mut self, lines: &[Template], kind: Kind) -> Result<(), Refusal> {
-        lines.iter().try_for_each(|t| self.template(t, kind, 0))
-    }
-
-    /// A template line; `value` fills the slot that is the line's own. Left out without a tolerance where it has one.
-    fn template(&mut self, template: &Template, kind: Kind, value: i64) -> Result<(), Refusal> {
-        if template.has(Slot::Tolerance) && self.tolerance.is_none() {
-            return Ok(());
-        }
-        self.page.begin(kind);
-        for piece in &template.pieces {
-            self.piece(piece, value);
-        }
-        // Whatever a template does to the motion mode (G80), the next motion says its own.
-        self.motion = None;
-        self.page.end()
-    }
-
-    fn piece(&mut self, piece: &Piece, value: i64) {
-        let post = self.post;
-        let plain = Numbers::default();
-        let real = Numbers {
-            plus: false,
-            ..post.numbers
-        };
-        let tool = i64::from(self.tool.unwrap_or(0));
-        match piece {
-            Piece::Text(text) => self.page.text(text),
-            Piece::Slot(slot) => match slot {
-                Slot::Comments | Slot::Axes => {}
-                Slot::Units => self
-                    .page
-                    .text(post.unit_word(self.units).unwrap_or_default()),
-                Slot::Name => {
-                    let name = std::mem::take(&mut self.name);
-                    self.page.text(&name);
-                    self.name = name;
-                }
-                Slot::Number => self.page.number(i64::from(self.number), 0, plain),
-                Slot::Tool => self.page.number(tool, 0, plain),
-                Slot::Speed => self.page.number(value, post.decimals.speed, plain),
-                Slot::Tolerance => {
-                    let tolerance = self.tolerance.unwrap_or(0);
-                    self.page.number(tolerance, self.decimals, real);
-                }
-                Slot::Seconds => self.page.number(value, post.decimals.seconds, real),
-                Slot::Milliseconds | Slot::Offset => self.page.number(value, 0, plain),
-            },
-        }
-    }
-
-    /// Length compensation with the move that it waits for, in place of the move's own line.
-    pub fn length_line(&mut self, to: [Option<i64>; 3]) -> Result<(), Refusal> {
-        let post = self.post;
-        self.page.begin(Kind::Words);
-        for piece in post.tool.length.iter().flat_map(|t| &t.pieces) {
-            match piece {
-                Piece::Slot(Slot::Axes) => self.axes(to, false),
-                piece => self.piece(piece, 0),
-            }
-        }
-        self.length_waits = false;
-        self.motion = None;
-        self.page.end()?;
-        self.last_motion = self.page.lines;
-        Ok(())
     }
 }
 

@@ -119,8 +119,12 @@ fn what_a_controller_cannot_do_is_refused_by_name_and_step() {
         to: [None, None, Some(0.0)],
     };
     for (name, step, what) in [
-        ("grbl", Step::Coolant(Coolant::Mist), "no Mist coolant"),
-        ("marlin", Step::Coolant(Coolant::Flood), "no Flood coolant"),
+        ("grbl", Step::Coolant(Coolant::Mist), "no words for mist"),
+        (
+            "marlin",
+            Step::Coolant(Coolant::Flood),
+            "no words for flood",
+        ),
         ("marlin", machine.clone(), "no rapid in machine coordinates"),
         ("carbide", machine, "no rapid in machine coordinates"),
         (
@@ -244,7 +248,7 @@ fn arcs_in_every_plane_and_form() {
         "{e}"
     );
     assert!(
-        e.ends_with("let it be written as lines, and say within what tolerance"),
+        e.ends_with("let it be written as lines within a tolerance (--arcs-to-lines 0.005)"),
         "{e}"
     );
 }
@@ -268,7 +272,10 @@ fn arcs_that_contradict_themselves_are_refused() {
             bow(Point::new(10.0, 0.0, 5.0), Plane::Xy, 2.0 * TAU),
         ],
     );
-    assert!(e.ends_with("let it be split into arcs"), "{e}");
+    assert!(
+        e.ends_with("let it be split into arcs (--split-circles)"),
+        "{e}"
+    );
     let mut post = Post::load("grbl").unwrap();
     post.arcs = Arcs::NONE;
     let told = Options {

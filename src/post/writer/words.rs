@@ -1,7 +1,8 @@
 //! Motions in ISO words: `G1 X10 Y20 F500`.
 
+use super::circle::Circle;
 use super::page::Kind;
-use super::scribe::{Circle, Scribe};
+use super::scribe::Scribe;
 use crate::post::definition::{Form, Numbers};
 use crate::post::error::Refusal;
 use std::io::Write;

@@ -1,4 +1,4 @@
-; 7:1 M25 is refused: it moves Z to the second reference point (elsewhere it does something else or nothing); use G53 or G28
+; 7:1 M25 is refused: here it moves Z to its home, the first return point (elsewhere it does something else or nothing); use G53 or G28
 ; 8:1 M26 is refused: it sets an axis to its home; do that at the control
 ; 9:1 G10 is refused: here it writes the control's own tables and parameters; set them at the control
 ; 10:1 G118 is refused: it sets a turned plane; post the path in G18
