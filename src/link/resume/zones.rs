@@ -136,7 +136,9 @@ fn surely_cut(text: &str, begin: &Begin, history: &History) -> Result<usize, Ref
                 Event::Pause { optional, .. } => !optional,
                 // Laser mode changes the beam in passing, and other firmwares have their own ideas of what waits.
                 Event::Spindle { .. } => is_grbl(begin) && !laser,
-                Event::Coolant { .. } | Event::Sync { .. } => is_grbl(begin),
+                // Coolant that is on already makes GRBL wait for nothing, and the operator may have switched it by a real-time byte.
+                Event::Coolant { .. } => false,
+                Event::Sync { .. } => is_grbl(begin),
             };
             if waits {
                 queue.clear();
