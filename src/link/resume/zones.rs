@@ -4,7 +4,7 @@ use super::blocks::Counter;
 use super::refusal::Refusal;
 use super::walk::{Program, sent};
 use crate::gcode::Event;
-use crate::link::journal::{Begin, Damage, History, SYNC_GAP};
+use crate::link::journal::{Begin, Damage, Doubt, History, SYNC_GAP};
 use std::collections::VecDeque;
 
 /// Slices of motion that a firmware prepares beyond its planner, each of another block at worst: GRBL 1.1 has 5 usable and one that runs.
@@ -70,6 +70,7 @@ pub fn zones(
     }
     let first = surely_cut(text, begin, history)?
         .min(history.acknowledged)
+        .min(refused(history))
         .max(entry)
         .max(1);
     let last = last
@@ -81,6 +82,15 @@ pub fn zones(
         last,
         lines: begin.lines,
     })
+}
+
+/// The first line that was refused: it was dropped whole, whatever was answered behind it.
+fn refused(history: &History) -> usize {
+    let lines = history.doubts.iter().filter_map(|d| match d {
+        Doubt::Refused { line, .. } if *line > 0 => Some(*line),
+        _ => None,
+    });
+    lines.min().unwrap_or(usize::MAX)
 }
 
 /// The last line that may have been sent while the disk was behind.
