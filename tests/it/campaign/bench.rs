@@ -117,13 +117,15 @@ pub struct Ran {
     pub outcome: Option<Outcome>,
     pub journal: Vec<u8>,
     pub bytes_lost: usize,
-    /// Motion after the controller had forgotten where it was.
-    pub moved_after_restart: bool,
+    /// Seconds from the restart of a controller that had forgotten where it was to the last motion behind it.
+    pub moved_after_restart: f64,
     /// The stop began then: hold sent (all bytes under way a little later).
     pub hold_at: Option<f64>,
     /// The session ended then.
     pub ended_at: f64,
     pub restarted: bool,
+    /// The machine stands in a hold or at a door.
+    pub held_at_end: bool,
     pub log: Vec<String>,
 }
 
@@ -137,7 +139,8 @@ pub struct Bench {
     spots: Vec<Spot>,
     last: Point,
     restarts: usize,
-    moved_after_restart: bool,
+    moved_after_restart: f64,
+    restarted_at: f64,
     hold_at: Option<f64>,
     dice: Dice,
     pieces: usize,
@@ -168,7 +171,8 @@ impl Bench {
             schedule,
             spots: Vec::new(),
             restarts: 0,
-            moved_after_restart: false,
+            moved_after_restart: 0.0,
+            restarted_at: 0.0,
             hold_at: None,
             dice,
             pieces: 0,
@@ -196,11 +200,12 @@ impl Bench {
             let at = self.rig.controller().position();
             if restarts != self.restarts {
                 self.restarts = restarts;
+                self.restarted_at = self.rig.now();
                 self.last = at;
             } else if at != self.last {
                 self.last = at;
                 if restarts > 0 && !(self.schedule.class == Class::PowerCycle && at.coords.norm() == 0.0) {
-                    self.moved_after_restart = true;
+                    self.moved_after_restart = self.rig.now() - self.restarted_at;
                 } else if restarts == 0 {
                     let rapid = self.rig.controller().ran_rapid();
                     self.spots.push(Spot { t: self.rig.now(), at, rapid });
@@ -308,6 +313,12 @@ impl Bench {
                 break;
             }
         }
+        self.rig.feed(b"?");
+        let now = self.rig.now();
+        self.turn(now + 0.5);
+        self.turn(now + 0.5);
+        let said = String::from_utf8_lossy(&self.rig.output()).into_owned();
+        let held_at_end = said.contains("<Hold") || said.contains("<Door");
         Ran {
             controller: self.rig.controller().clone(),
             spots: self.spots,
@@ -319,6 +330,7 @@ impl Bench {
             hold_at: self.hold_at,
             ended_at,
             restarted: self.restarts > 0,
+            held_at_end,
             log: self.log.unwrap_or_default(),
         }
     }

@@ -73,7 +73,6 @@ impl Class {
 #[derive(Clone, Debug)]
 pub struct Schedule {
     pub class: Class,
-    pub at: f64,
     pub plan: FaultPlan,
     /// Text for [`morsemill::controller::Script`].
     pub script: String,
@@ -122,7 +121,6 @@ pub fn schedule(dice: &mut Dice, class: Class, duration: f64, lines: usize) -> S
     wishes.sort_by(|a, b| a.0.total_cmp(&b.0));
     Schedule {
         class,
-        at,
         plan,
         script,
         wishes,
