@@ -7,7 +7,9 @@
 use crate::gcode::{Dialect, Distance, FeedMode, MotionMode, Plane, State as Parser, Units};
 use crate::geom::{Point, Vector};
 use crate::units::{MmPerMin, Rpm};
-use crate::wire::{Firmware, Modes, Position, RX_BYTES, Realtime, Reply, State, Status, alarm_meaning};
+use crate::wire::{
+    Firmware, Modes, Position, RX_BYTES, Realtime, Reply, State, Status, alarm_meaning,
+};
 use std::time::Duration;
 
 /// How long the greeting may take after opening (a bootloader runs first).
@@ -237,7 +239,8 @@ fn silent(waiting_for: &str, alarm: Option<u16>) -> String {
     match alarm {
         Some(code) => format!(
             "the controller says ALARM:{code} and then nothing: {}. It listens to nothing but a reset now",
-            alarm_meaning(code).map_or("look the number up in the firmware's documentation", |m| m.what)
+            alarm_meaning(code).map_or("look the number up in the firmware's documentation", |m| m
+                .what)
         ),
         None => format!(
             "no answer from the controller while waiting for {waiting_for}: check cable, power, port and serial speed"
@@ -247,7 +250,9 @@ fn silent(waiting_for: &str, alarm: Option<u16>) -> String {
 
 fn busy(state: &State) -> String {
     match state {
-        State::Check => "the controller is in check mode, where nothing moves: send $C to leave it".to_string(),
+        State::Check => {
+            "the controller is in check mode, where nothing moves: send $C to leave it".to_string()
+        }
         State::Sleep => "the controller is asleep: reset it".to_string(),
         other => format!(
             "the controller is not idle but says {}: wait until it is, or reset it",
@@ -340,7 +345,9 @@ impl Introduction {
             return self.silence(now);
         }
         if matches!(self.phase, Phase::Asking | Phase::LastReport { .. }) {
-            let due = self.asked.is_none_or(|t| now.saturating_sub(t) >= ASK_AGAIN);
+            let due = self
+                .asked
+                .is_none_or(|t| now.saturating_sub(t) >= ASK_AGAIN);
             if due {
                 self.out.push(Realtime::Status.byte());
                 self.asked = Some(now);
@@ -436,7 +443,8 @@ impl Introduction {
                     "G30" => known.offsets.g30 = place,
                     "G92" => known.offsets.g92 = place,
                     other => {
-                        let number: Option<usize> = other.strip_prefix('G').and_then(|n| n.parse().ok());
+                        let number: Option<usize> =
+                            other.strip_prefix('G').and_then(|n| n.parse().ok());
                         let index = number.and_then(|n| n.checked_sub(54));
                         if let Some(slot) = index.and_then(|i| known.offsets.g5x.get_mut(i)) {
                             *slot = place;
@@ -466,7 +474,8 @@ impl Introduction {
             }
             None => {
                 // The reports so far were read before `$13` was known: begin afresh.
-                (self.known.machine_position, self.known.work_offset) = (None, self.offset_by_answers());
+                (self.known.machine_position, self.known.work_offset) =
+                    (None, self.offset_by_answers());
                 self.enter(Phase::LastReport { heard: 0 }, now);
             }
         }
@@ -475,15 +484,24 @@ impl Introduction {
     /// Work offset as `$#` and `$G` make it: reports name it only now and then.
     fn offset_by_answers(&self) -> Option<[f64; 3]> {
         let o = &self.known.offsets;
-        let active = o.g5x.get(self.known.modes.work_offset()?).copied().flatten()?;
+        let active = o
+            .g5x
+            .get(self.known.modes.work_offset()?)
+            .copied()
+            .flatten()?;
         let (g92, tlo) = (o.g92?, o.tlo?);
-        Some([active[0] + g92[0], active[1] + g92[1], active[2] + g92[2] + tlo])
+        Some([
+            active[0] + g92[0],
+            active[1] + g92[1],
+            active[2] + g92[2] + tlo,
+        ])
     }
 
     fn complete(&mut self, heard: u32, now: Duration) {
         let placed = self.known.machine_position.is_some() && self.known.work_offset.is_some();
         if placed || heard >= LAST_REPORTS {
-            let locked = self.known.state == State::Alarm && self.known.setting(22).is_some_and(|v| v != 0.0);
+            let locked = self.known.state == State::Alarm
+                && self.known.setting(22).is_some_and(|v| v != 0.0);
             if self.known.homed.is_none() && locked {
                 self.known.homed = Some(false);
             }
@@ -505,7 +523,10 @@ impl Introduction {
             Phase::Questions(_) => "its settings",
             _ => "its status",
         };
-        self.enter(Phase::Ended(Err(Unknown::Silent { waiting_for, alarm })), now);
+        self.enter(
+            Phase::Ended(Err(Unknown::Silent { waiting_for, alarm })),
+            now,
+        );
     }
 
     fn enter(&mut self, phase: Phase, now: Duration) {
@@ -514,3 +535,7 @@ impl Introduction {
         self.asked = None;
     }
 }
+
+#[cfg(test)]
+#[path = "introduction_tests.rs"]
+mod tests;

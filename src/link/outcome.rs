@@ -1,7 +1,7 @@
 //! How a session ended.
 
-use super::stream::StreamError;
 use super::job::Unreadable;
+use super::stream::StreamError;
 use crate::wire::Firmware;
 use std::fmt;
 

@@ -193,7 +193,10 @@ impl fmt::Display for Stall {
             Stall::Door => f.write_str("waiting: the safety door is open"),
             Stall::Prompt => f.write_str("waiting for the operator"),
             Stall::PlannerFull { line } => {
-                write!(f, "line {line} waits for the motion before it: the planner is full")
+                write!(
+                    f,
+                    "line {line} waits for the motion before it: the planner is full"
+                )
             }
             Stall::Waiting { line } => {
                 write!(f, "line {line} waits for standstill or for its time")
@@ -204,7 +207,10 @@ impl fmt::Display for Stall {
                 "the controller says it runs, but nothing moves and line {line} is not answered: look at the machine, hold or stop"
             ),
             Stall::LostAcknowledgement { line } => {
-                write!(f, "line {line} was never answered: a reply was lost on the cable")
+                write!(
+                    f,
+                    "line {line} was never answered: a reply was lost on the cable"
+                )
             }
             Stall::ControllerReset => f.write_str("the controller restarted"),
             Stall::LinkDead => f.write_str("nothing comes back from the controller"),

@@ -98,10 +98,19 @@ mod tests {
     fn greetings_and_build_lines_name_the_firmware() {
         for (line, firmware) in [
             ("Grbl 1.1h ['$' for help]", Some(Firmware::Grbl11)),
-            ("GrblHAL 1.1f ['$' or '$HELP' for help]", Some(Firmware::GrblHal)),
-            ("Grbl 1.1f ['$' or '$HELP' for help]", Some(Firmware::Grbl11)),
+            (
+                "GrblHAL 1.1f ['$' or '$HELP' for help]",
+                Some(Firmware::GrblHal),
+            ),
+            (
+                "Grbl 1.1f ['$' or '$HELP' for help]",
+                Some(Firmware::Grbl11),
+            ),
             ("[FIRMWARE:grblHAL]", Some(Firmware::GrblHal)),
-            ("Grbl 3.7 [FluidNC v3.7.8 (wifi) '$' for help]", Some(Firmware::FluidNc)),
+            (
+                "Grbl 3.7 [FluidNC v3.7.8 (wifi) '$' for help]",
+                Some(Firmware::FluidNc),
+            ),
             ("[VER:3.7 FluidNC v3.7.8:]", Some(Firmware::FluidNc)),
             ("[VER:1.3a.20210424: Grbl_ESP32]", Some(Firmware::FluidNc)),
             ("[VER:1.1h.20190830:]", Some(Firmware::Grbl11)),

@@ -46,8 +46,14 @@ mod tests {
     fn reads_the_words_of_a_mode_line() {
         let m = Modes::parse("G1 G55 G17 G20 G91 G94 M3 M8 T2 F254.0 S1000");
         assert!(m.has("G20") && m.has("M3") && !m.has("G2"));
-        assert_eq!((m.work_offset(), m.value('F'), m.value('T')), (Some(1), Some(254.0), Some(2.0)));
-        assert_eq!(m.to_string(), "G1 G55 G17 G20 G91 G94 M3 M8 T2 F254.0 S1000");
+        assert_eq!(
+            (m.work_offset(), m.value('F'), m.value('T')),
+            (Some(1), Some(254.0), Some(2.0))
+        );
+        assert_eq!(
+            m.to_string(),
+            "G1 G55 G17 G20 G91 G94 M3 M8 T2 F254.0 S1000"
+        );
         assert_eq!(Modes::parse("F1e999 X").value('F'), None);
     }
 }

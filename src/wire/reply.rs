@@ -265,18 +265,41 @@ mod tests {
     #[test]
     fn reads_the_offsets_that_only_some_answers_have() {
         assert_eq!(Reply::parse("[TLO:1.500]"), Reply::ToolLength(1.5));
-        assert_eq!(Reply::parse("[TLO:0.000,0.000,2.500]"), Reply::ToolLength(2.5));
-        let probed = |touched| Reply::Probed { at: [1.0, 2.0, -3.5], touched };
+        assert_eq!(
+            Reply::parse("[TLO:0.000,0.000,2.500]"),
+            Reply::ToolLength(2.5)
+        );
+        let probed = |touched| Reply::Probed {
+            at: [1.0, 2.0, -3.5],
+            touched,
+        };
         assert_eq!(Reply::parse("[PRB:1.000,2.000,-3.500:1]"), probed(true));
         assert_eq!(Reply::parse("[PRB:1.000,2.000,-3.500:0]"), probed(false));
     }
 
     #[test]
     fn damage_is_told_from_news() {
-        for news in ["[AXS:3:XYZ]", "[NEWOPT:ENUMS]", "$N0=G20", ">G20G54:error:3", "ok", "[MSG:INFO: hello]"] {
+        for news in [
+            "[AXS:3:XYZ]",
+            "[NEWOPT:ENUMS]",
+            "$N0=G20",
+            ">G20G54:error:3",
+            "ok",
+            "[MSG:INFO: hello]",
+        ] {
             assert!(!Reply::parse(news).is_damage(), "{news}");
         }
-        for damage in ["o", "okok", "errr:2", "error:", "<Idle|MPos:0,0", "[MSG:Pgm E", "ALRM:1", "\u{fffd}k", "[A\u{fffd}S:x]"] {
+        for damage in [
+            "o",
+            "okok",
+            "errr:2",
+            "error:",
+            "<Idle|MPos:0,0",
+            "[MSG:Pgm E",
+            "ALRM:1",
+            "\u{fffd}k",
+            "[A\u{fffd}S:x]",
+        ] {
             assert!(Reply::parse(damage).is_damage(), "{damage}");
         }
     }

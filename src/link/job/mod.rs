@@ -9,8 +9,8 @@ mod line;
 mod reader;
 
 pub use line::{JobLine, Standstill, Weight};
-pub use reader::{JobLines, Unreadable};
 pub(super) use reader::{Chunks, Digest};
+pub use reader::{JobLines, Unreadable};
 
 use super::vet::{self, JobError, VetOptions, Warning};
 use crate::gcode::{Event, State};
@@ -114,9 +114,13 @@ impl Job {
     /// As [`vet::vet`].
     pub fn events(&self) -> Result<Vec<Event>, Vec<JobError>> {
         let mut events = Vec::new();
-        vet::vet(self.source.clone(), self.options.clone(), &mut |_, event| {
-            events.push(event.clone());
-        })?;
+        vet::vet(
+            self.source.clone(),
+            self.options.clone(),
+            &mut |_, event| {
+                events.push(event.clone());
+            },
+        )?;
         Ok(events)
     }
 

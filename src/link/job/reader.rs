@@ -128,7 +128,10 @@ impl JobLines {
                 }
             }
             let line = self.chunks.read + 1;
-            let digest = self.chunks.next().map_err(|e| Unreadable::Failed(e.to_string()))?;
+            let digest = self
+                .chunks
+                .next()
+                .map_err(|e| Unreadable::Failed(e.to_string()))?;
             match (digest, self.parts.get(self.part)) {
                 (None, None) => return Ok(None),
                 (Some(now), Some(vetted)) if now == *vetted => self.part += 1,

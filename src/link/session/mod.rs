@@ -154,7 +154,7 @@ impl Session {
         Session::fresh(job, introduction, options, Duration::ZERO)
     }
 
-    /// A session with a controller that has introduced itself on this port. It still looks once whether it is Idle.
+    /// A session with a controller that has just introduced itself on this port, as [`super::introduce`] gives it.
     pub fn known(job: Job, known: Known, options: SessionOptions, now: Duration) -> Session {
         let introduction = Introduction::new(IntroductionOptions::default(), now);
         let mut session = Session::fresh(job, introduction, options, now);
@@ -221,7 +221,11 @@ impl Session {
     /// Bytes to write now, real-time bytes first. They always fit what the controller and any kernel buffer can take. They stay until
     /// [`Session::written`] says how many really went out; nothing else may be called in between.
     pub fn output(&self) -> Vec<u8> {
-        self.urgent.iter().copied().chain(self.stream.output()).collect()
+        self.urgent
+            .iter()
+            .copied()
+            .chain(self.stream.output())
+            .collect()
     }
 
     /// The first `count` bytes of [`Session::output`] were written.
@@ -291,7 +295,8 @@ impl Session {
     /// is told: the computer slept, or its clock was set.
     pub fn wall_clock(&mut self, wall: Duration, now: Duration) {
         let by = self.wall.map_or(0.0, |(then_wall, then)| {
-            (wall.as_secs_f64() - then_wall.as_secs_f64()) - (now.as_secs_f64() - then.as_secs_f64())
+            (wall.as_secs_f64() - then_wall.as_secs_f64())
+                - (now.as_secs_f64() - then.as_secs_f64())
         });
         if by.abs() > CLOCK_JUMP {
             self.news.push(Progress::ClockJump { by_s: by });

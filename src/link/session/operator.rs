@@ -12,6 +12,8 @@ use std::time::Duration;
 const STEP: Duration = Duration::from_millis(50);
 /// A resume that shows no effect is sent again after this time.
 const RESUME_AGAIN: Duration = Duration::from_millis(500);
+/// A hold that shows no effect is sent again after this time.
+const HOLD_AGAIN: Duration = Duration::from_millis(500);
 /// Override steps kept waiting: more is a stuck key.
 const MOST_STEPS: usize = 64;
 
@@ -31,9 +33,16 @@ pub(super) enum Resume {
 pub(super) struct Adjusting {
     what: Realtime,
     since: Duration,
-    overrides: Option<Overrides>,
+    overrides: Overrides,
     accessories: String,
 }
+
+/// What a controller begins with, until a report has said otherwise.
+const NO_OVERRIDES: Overrides = Overrides {
+    feed: 100,
+    rapid: 100,
+    spindle: 100,
+};
 
 impl Session {
     /// The operator's wish at time `now`.
@@ -48,11 +57,13 @@ impl Session {
             }
             (Command::Hold, _) => {
                 self.hold_asked = true;
+                self.last_hold_sent = now;
                 self.resume = None;
                 self.realtime(Realtime::Hold);
             }
             (Command::Door, _) => {
                 self.hold_asked = true;
+                self.last_hold_sent = now;
                 self.resume = None;
                 self.realtime(Realtime::Door);
             }
@@ -97,7 +108,8 @@ impl Session {
     /// One step at a time: the firmware keeps flags, not counters, and merges repeats.
     pub(super) fn adjust(&mut self, now: Duration) {
         if let Some(a) = &self.adjusting {
-            let confirmed = self.overrides != a.overrides || self.accessories != a.accessories;
+            let confirmed = self.overrides.is_some_and(|now| now != a.overrides)
+                || self.accessories != a.accessories;
             if !confirmed && now.saturating_sub(a.since) < STEP {
                 return;
             }
@@ -110,7 +122,7 @@ impl Session {
             self.adjusting = Some(Adjusting {
                 what,
                 since: now,
-                overrides: self.overrides,
+                overrides: self.overrides.unwrap_or(NO_OVERRIDES),
                 accessories: self.accessories.clone(),
             });
             // The next report shows it; asked for at once so that the step is confirmed in time.
@@ -122,6 +134,10 @@ impl Session {
     }
 
     fn resume_wanted(&mut self, now: Duration) {
+        if *self.state() == State::Door(DoorPhase::Ajar) {
+            // Kept until later, it would start the machine at the moment the door closes.
+            return self.note("the safety door is open: close it, then resume");
+        }
         let held = matches!(self.state(), State::Hold { .. } | State::Door(_));
         if held || self.hold_asked || self.prompt_under_way().is_some() {
             self.resume = Some(Resume::Waits);
@@ -158,9 +174,7 @@ impl Session {
                 self.realtime(Realtime::Resume);
                 self.resume = Some(Resume::Sent(now));
             }
-            Some(Resume::Sent(since))
-                if at_rest && now.saturating_sub(since) >= RESUME_AGAIN =>
-            {
+            Some(Resume::Sent(since)) if at_rest && now.saturating_sub(since) >= RESUME_AGAIN => {
                 self.realtime(Realtime::Resume);
                 self.resume = Some(Resume::Sent(now));
             }
@@ -179,6 +193,14 @@ impl Session {
                 (self.hold_asked, self.pause_told, self.resume) = (false, false, None);
                 self.spindle_stopped = false;
                 self.news.push(Progress::Resumed);
+            } else if self.hold_asked
+                && self.resume.is_none()
+                && *state == State::Run
+                && now.saturating_sub(self.last_hold_sent) > HOLD_AGAIN
+            {
+                // Still running: the hold was lost on the way.
+                self.realtime(Realtime::Hold);
+                self.last_hold_sent = now;
             }
             return;
         }

@@ -139,6 +139,8 @@ impl Session {
                 };
                 self.stop(ending, "the controller refused a line", now);
             }
+            // At a tool change others may talk on the same port; their answers are theirs.
+            Receipt::Unasked if self.waiting.is_some() => {}
             Receipt::Unasked => {
                 let text = "an answer no line was waiting for".to_string();
                 self.stop(Ending::Damaged { text }, "the answers do not add up", now);
@@ -152,7 +154,11 @@ impl Session {
                     if matches!(status.state, State::Alarm | State::Sleep | State::Check) {
                         // Nothing we asked for: an alarm line was lost on the way, or somebody else is on the cable.
                         let state = status.state.text().to_string();
-                        self.stop(Ending::StateLost { state }, "the controller left the job", now);
+                        self.stop(
+                            Ending::StateLost { state },
+                            "the controller left the job",
+                            now,
+                        );
                     }
                 }
             }

@@ -12,7 +12,8 @@ use std::time::Duration;
 impl Session {
     /// The controller is known: compares it with what the job was vetted for and begins.
     pub(super) fn begin(&mut self, now: Duration) {
-        self.news.push(Progress::Connected(Box::new(self.known.clone())));
+        self.news
+            .push(Progress::Connected(Box::new(self.known.clone())));
         if self.known.state != State::Idle {
             let why = match self.known.state {
                 State::Alarm => {
@@ -99,7 +100,11 @@ impl Session {
                 match self.lines.as_mut().map(|l| l.next_line()) {
                     Some(Ok(Some(line))) => self.next = Some(line),
                     Some(Err(e)) => {
-                        return self.stop(Ending::Unreadable(e), "the program cannot be read on", now);
+                        return self.stop(
+                            Ending::Unreadable(e),
+                            "the program cannot be read on",
+                            now,
+                        );
                     }
                     _ => self.closing = Closing::Due,
                 }
@@ -146,9 +151,11 @@ impl Session {
     /// So many bytes of lines were written.
     pub(super) fn begun(&mut self, bytes: usize) {
         let begun = self.stream.written(bytes);
-        let mut indices = begun.iter().filter_map(|(index, source)| Some(((*index)?, *source)));
+        let mut indices = begun
+            .iter()
+            .filter_map(|(index, source)| Some(((*index)?, *source)));
         if let Some((first, source)) = indices.next() {
-            let (last, source) = indices.last().unwrap_or((first, source));
+            let (last, source) = indices.next_back().unwrap_or((first, source));
             self.sent = last + 1;
             self.news.push(Progress::Sent(Span {
                 lines: first..last + 1,

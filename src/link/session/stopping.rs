@@ -72,7 +72,11 @@ impl Session {
     pub(super) fn alarm(&mut self, code: u16, now: Duration) {
         let line = self.stream.unanswered().next().map(|f| f.line.source);
         self.cut_off();
-        self.position_kept &= self.known.firmware.alarm(code).is_some_and(|m| m.position_kept);
+        self.position_kept &= self
+            .known
+            .firmware
+            .alarm(code)
+            .is_some_and(|m| m.position_kept);
         if self.ending == Ending::Done || self.ending == Ending::Stopped {
             self.ending = Ending::Alarm {
                 code,
@@ -87,11 +91,13 @@ impl Session {
 
     /// A greeting nobody asked for.
     pub(super) fn controller_reset(&mut self, now: Duration) {
-        self.news.push(Progress::Stall(Some(Stall::ControllerReset)));
+        self.news
+            .push(Progress::Stall(Some(Stall::ControllerReset)));
         self.ending = Ending::ControllerReset;
         self.position_kept = false;
         self.cut_off();
-        self.news.push(Progress::Stopping("the controller restarted".to_string()));
+        self.news
+            .push(Progress::Stopping("the controller restarted".to_string()));
         self.last_look(now);
     }
 }

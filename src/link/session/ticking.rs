@@ -102,9 +102,10 @@ impl Session {
             }
             Some(Err(why)) => {
                 let ending = match why {
-                    crate::link::Unknown::Silent { waiting_for, alarm: None } => {
-                        Ending::Silent { waiting_for }
-                    }
+                    crate::link::Unknown::Silent {
+                        waiting_for,
+                        alarm: None,
+                    } => Ending::Silent { waiting_for },
                     other => Ending::NotReady(other.to_string()),
                 };
                 self.end(ending, now);

@@ -63,7 +63,11 @@ pub fn vet(
     (vetting.total, vetting.bytes) = (0, 0);
     let unreadable = |line: usize, e: std::io::Error| {
         let why = Refusal::Unreadable(e.to_string());
-        vec![JobError { line, column: 1, why }]
+        vec![JobError {
+            line,
+            column: 1,
+            why,
+        }]
     };
     let from = source.open().map_err(|e| unreadable(1, e))?;
     let mut chunks = Chunks::new(from, options.first_line).map_err(|e| unreadable(1, e))?;

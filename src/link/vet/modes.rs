@@ -8,9 +8,21 @@ use crate::gcode::{Event, MotionKind};
 const GROUPS: [(&str, &[f64], &str); 5] = [
     ("G20 or G21 (units)", &[20.0, 21.0], "G21, mm"),
     ("G90 or G91 (distances)", &[90.0, 91.0], "G90, absolute"),
-    ("G93 or G94 (feed mode)", &[93.0, 94.0, 95.0], "G94, per minute"),
-    ("G54 to G59 (work offset)", &[54.0, 55.0, 56.0, 57.0, 58.0, 59.0, 59.1, 59.2, 59.3], "G54"),
-    ("G17, G18 or G19 (plane of arcs)", &[17.0, 18.0, 19.0], "G17, XY"),
+    (
+        "G93 or G94 (feed mode)",
+        &[93.0, 94.0, 95.0],
+        "G94, per minute",
+    ),
+    (
+        "G54 to G59 (work offset)",
+        &[54.0, 55.0, 56.0, 57.0, 58.0, 59.0, 59.1, 59.2, 59.3],
+        "G54",
+    ),
+    (
+        "G17, G18 or G19 (plane of arcs)",
+        &[17.0, 18.0, 19.0],
+        "G17, XY",
+    ),
 ];
 const UNITS: usize = 0;
 const DISTANCE: usize = 1;

@@ -189,7 +189,7 @@ impl Preparer {
                 }
             }
             match word {
-                ('G', n) if n < 4.0 || (n >= 38.0 && n < 39.0) || n == 80.0 => {
+                ('G', n) if n < 4.0 || (38.0..39.0).contains(&n) || n == 80.0 => {
                     out.weight.restates_motion = true;
                 }
                 ('X' | 'Y' | 'Z', _) => axes = true,
@@ -234,7 +234,11 @@ impl Preparer {
             }
             self.reach
                 .event(event, &self.state)
-                .map_err(|why| JobError { line, column: s.column, why })?;
+                .map_err(|why| JobError {
+                    line,
+                    column: s.column,
+                    why,
+                })?;
         }
         out.weight.changes_frame = Frame::of(&self.state) != before;
         out.weight.changes_motion = self.state.motion != motion;
@@ -281,7 +285,9 @@ impl Preparer {
             return refuse(Refusal::ToolChangeNotAlone);
         }
         // GRBL forgets T on the next line; the other dialects do not.
-        let tool = tool.map_or(self.state.tool, |t| t.clamp(0.0, f64::from(u32::MAX)) as u32);
+        let tool = tool.map_or(self.state.tool, |t| {
+            t.clamp(0.0, f64::from(u32::MAX)) as u32
+        });
         self.state.tool = tool;
         self.state.spindle = 0;
         self.changed = true;
@@ -375,4 +381,3 @@ fn waits(event: &Event) -> bool {
         _ => true,
     }
 }
-

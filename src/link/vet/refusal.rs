@@ -30,7 +30,9 @@ pub enum Refusal {
     )]
     ToolChange,
     /// M6 with company.
-    #[error("M6 shares its line with other words: put it on a line of its own, with at most N and T")]
+    #[error(
+        "M6 shares its line with other words: put it on a line of its own, with at most N and T"
+    )]
     ToolChangeNotAlone,
     /// G10, G28.1, G30.1.
     #[error(
@@ -146,7 +148,9 @@ pub enum Caution {
     #[error("the program goes on behind its end (M2 or M30), and the controller will run that too")]
     BehindTheEnd,
     /// A cut with the spindle off after a tool change.
-    #[error("after the tool change before it, this line cuts with the spindle off: put M3 S... before it")]
+    #[error(
+        "after the tool change before it, this line cuts with the spindle off: put M3 S... before it"
+    )]
     SpindleOffAfterChange,
     /// A block-delete line was left out.
     #[error("lines that begin with / are left out")]

@@ -30,7 +30,8 @@ fn lines(job: &Job) -> Vec<JobLine> {
 
 #[test]
 fn strips_what_the_controller_would_and_keeps_the_line_numbers() {
-    let job = Job::vet("%\n(part ?! \u{e9})\ng21 g90 ; mm\n\nG1 X1.5 Y2 (cut~) F300\nG4 P2\n%\n").unwrap();
+    let job = Job::vet("%\n(part ?! \u{e9})\ng21 g90 ; mm\n\nG1 X1.5 Y2 (cut~) F300\nG4 P2\n%\n")
+        .unwrap();
     let sent = lines(&job);
     let texts: Vec<(usize, &str)> = sent.iter().map(|l| (l.source, l.text.as_str())).collect();
     assert_eq!(texts, [(3, "G21G90"), (5, "G1X1.5Y2F300"), (6, "G4P2")]);
@@ -51,7 +52,11 @@ fn refuses_what_must_not_be_streamed_by_line_and_column() {
         ..VetOptions::default()
     };
     for (text, starts, says) in [
-        ("G21\nG10 L2 P1 X0\n", "2:1 ", "G10 writes the controller's memory"),
+        (
+            "G21\nG10 L2 P1 X0\n",
+            "2:1 ",
+            "G10 writes the controller's memory",
+        ),
         ("G21 G28.1\n", "1:5 ", "G28.1 writes"),
         ("G30.10\n", "1:1 ", "G30.1 writes"),
         ("  $H\n", "1:3 ", "a $ command does not belong into a job"),
@@ -71,7 +76,8 @@ fn refuses_what_must_not_be_streamed_by_line_and_column() {
         ("F100 G2 X10 Y3 I5 J0\n", "1:", "error:33"),
         ("F100 G2 Z-3 R5\n", "1:", "error:32"),
         ("G0 X0 Y0\nF100 G2 X0 Y0 Z-3 R5\n", "2:", ""),
-        ("G0 G1 X1\n", "1:4 ", "error:21"),
+        ("G0 G1 X1\n", "1:4 ", "error:24"),
+        ("G17 G18\n", "1:5 ", "error:21"),
         ("G64\n", "1:1 ", "error:20"),
         ("G59.1\n", "1:1 ", "error:"),
         ("G4\n", "1:1 ", "error:28"),
@@ -86,8 +92,13 @@ fn refuses_what_must_not_be_streamed_by_line_and_column() {
     let long = format!("G0 X{}\n", "0".repeat(90));
     assert!(refused(&long).contains("at most 79") && refused(&long).contains("error:11"));
     let said = refused_by("G1 X1.000001 Y2.000001 Z3.0000001 F100.000001\n", buffer);
-    assert!(said.starts_with("1:1 the line has 42 bytes, but the controller's receive buffer takes 39"), "{said}");
-    assert!(refused_by("G0X1\nT1 M6\n", tools).starts_with("2:4 a tool change: cut the program at M6"));
+    assert!(
+        said.starts_with("1:1 the line has 42 bytes, but the controller's receive buffer takes 39"),
+        "{said}"
+    );
+    assert!(
+        refused_by("G0X1\nT1 M6\n", tools).starts_with("2:4 a tool change: cut the program at M6")
+    );
 }
 
 #[test]
@@ -99,15 +110,24 @@ fn an_arc_by_radius_that_goes_straight_up_is_refused() {
 #[test]
 fn at_most_so_many_errors_and_one_per_run_of_missing_feeds() {
     assert_eq!(Job::vet(&"G1X1\n".repeat(100)).unwrap_err().len(), 1);
-    assert_eq!(Job::vet(&"G64\n".repeat(100)).unwrap_err().len(), MAX_ERRORS);
+    assert_eq!(
+        Job::vet(&"G64\n".repeat(100)).unwrap_err().len(),
+        MAX_ERRORS
+    );
 }
 
 #[test]
 fn the_end_is_known_only_where_the_text_decides_it() {
     assert_eq!(Job::vet("G0 X1 Y1 Z1\nG53 G0 Z0\n").unwrap().end, [None; 3]);
-    assert_eq!(Job::vet("G0 X1 Y1 Z1\nG91\nG0 X1\n").unwrap().end, [Some(2.0), Some(1.0), Some(1.0)]);
+    assert_eq!(
+        Job::vet("G0 X1 Y1 Z1\nG91\nG0 X1\n").unwrap().end,
+        [Some(2.0), Some(1.0), Some(1.0)]
+    );
     assert_eq!(Job::vet("G91\nG0 X1\n").unwrap().end, [None; 3]);
-    assert_eq!(Job::vet("G0 X1\nG92 X0\nG0 X5 Z2\nM30\n").unwrap().end, [Some(5.0), None, Some(2.0)]);
+    assert_eq!(
+        Job::vet("G0 X1\nG92 X0\nG0 X5 Z2\nM30\n").unwrap().end,
+        [Some(5.0), None, Some(2.0)]
+    );
 }
 
 #[test]
@@ -119,7 +139,12 @@ fn block_delete_is_skipped_or_kept_as_told() {
     let text = "G0X1\n/ G0 X2\nG0X3\n";
     let skipped = vetted(text, with(BlockDelete::Skip)).unwrap();
     assert_eq!(skipped.total, 2);
-    assert!(skipped.warnings.iter().any(|w| w.to_string() == "2:1 lines that begin with / are left out"));
+    assert!(
+        skipped
+            .warnings
+            .iter()
+            .any(|w| w.to_string() == "2:1 lines that begin with / are left out")
+    );
     let kept = vetted(text, with(BlockDelete::Keep)).unwrap();
     assert_eq!(lines(&kept)[1].text, "G0X2");
     let said = refused_by("/ G0 X\n", with(BlockDelete::Keep));
@@ -137,7 +162,10 @@ fn memory_writers_go_alone_when_allowed() {
     assert_eq!(writers, [true, false, true, true]);
     // These would make the session misread what comes back.
     for text in ["$13=1\n", "$10=0\n", "$H\n", "$RST=*\n", "$J=X1F1\n"] {
-        assert!(refused_by(text, options.clone()).contains("a $ command"), "{text}");
+        assert!(
+            refused_by(text, options.clone()).contains("a $ command"),
+            "{text}"
+        );
     }
 }
 
@@ -147,9 +175,16 @@ fn stops_carry_the_comment_beside_them() {
         optional_stops: OptionalStops::Stop,
         ..VetOptions::default()
     };
-    let job = vetted("M0 (turn the part)\n; look at the chip\nM1\nG0 X1\nT2 M6 (3 mm ball)\nM3 S1000\n", options).unwrap();
+    let job = vetted(
+        "M0 (turn the part)\n; look at the chip\nM1\nG0 X1\nT2 M6 (3 mm ball)\nM3 S1000\n",
+        options,
+    )
+    .unwrap();
     let sent = lines(&job);
-    let prompts: Vec<String> = sent.iter().filter_map(|l| l.prompt.as_ref().map(ToString::to_string)).collect();
+    let prompts: Vec<String> = sent
+        .iter()
+        .filter_map(|l| l.prompt.as_ref().map(ToString::to_string))
+        .collect();
     assert_eq!(
         prompts,
         [
@@ -158,8 +193,14 @@ fn stops_carry_the_comment_beside_them() {
             "line 5: change to tool 2 (3 mm ball): resume when ready",
         ]
     );
-    assert_eq!((sent[1].text.as_str(), sent[3].text.as_str()), ("M0", "M5M9"));
-    assert!(matches!(sent[3].prompt.as_ref().unwrap().kind, PromptKind::ToolChange { tool: 2 }));
+    assert_eq!(
+        (sent[1].text.as_str(), sent[3].text.as_str()),
+        ("M0", "M5M9")
+    );
+    assert!(matches!(
+        sent[3].prompt.as_ref().unwrap().kind,
+        PromptKind::ToolChange { tool: 2 }
+    ));
     // Unless told, M1 goes as it is.
     assert!(lines(&Job::vet("M1\n").unwrap())[0].prompt.is_none());
 }
@@ -167,7 +208,12 @@ fn stops_carry_the_comment_beside_them() {
 #[test]
 fn modes_never_set_and_other_doubts_are_warned_of_by_name() {
     let told = |text: &str| -> Vec<String> {
-        Job::vet(text).unwrap().warnings.iter().map(ToString::to_string).collect()
+        Job::vet(text)
+            .unwrap()
+            .warnings
+            .iter()
+            .map(ToString::to_string)
+            .collect()
     };
     assert_eq!(
         told("G21 G54\nG0 X1\nG2 X2 I0.5 F100\n"),
@@ -179,13 +225,23 @@ fn modes_never_set_and_other_doubts_are_warned_of_by_name() {
     );
     assert!(told("G17 G21 G54 G90 G94\nG1 X1 F100\nG2 X2 I0.5\nM30\n").is_empty());
     let behind = told("G21 G90 G54\nG0 X1\nM2\nG0 X2\n");
-    assert!(behind[0].starts_with("4:1 the program goes on behind its end"), "{behind:?}");
+    assert!(
+        behind[0].starts_with("4:1 the program goes on behind its end"),
+        "{behind:?}"
+    );
     let off = told("G21 G90 G54 G94\nM3 S100\nG1 X1 F100\nT2 M6\nG1 X2\n");
-    assert!(off[0].starts_with("5:1 after the tool change before it, this line cuts with the spindle off"), "{off:?}");
+    assert!(
+        off[0].starts_with(
+            "5:1 after the tool change before it, this line cuts with the spindle off"
+        ),
+        "{off:?}"
+    );
 }
 
 fn known(settings: &[(u16, f64)], machine: [f64; 3], g54: [f64; 3]) -> Known {
-    let mut known = crate::link::Introduction::new(Default::default(), Default::default()).known().clone();
+    let mut known = crate::link::Introduction::new(Default::default(), Default::default())
+        .known()
+        .clone();
     known.firmware = Firmware::Grbl11;
     known.settings = settings.to_vec();
     known.offsets.g5x = [Some([0.0; 3]); 6];
@@ -195,13 +251,33 @@ fn known(settings: &[(u16, f64)], machine: [f64; 3], g54: [f64; 3]) -> Known {
     known
 }
 
-const HOMED: [(u16, f64); 5] = [(20, 1.0), (22, 1.0), (130, 300.0), (131, 200.0), (132, 80.0)];
+const HOMED: [(u16, f64); 5] = [
+    (20, 1.0),
+    (22, 1.0),
+    (130, 300.0),
+    (131, 200.0),
+    (132, 80.0),
+];
 
 #[test]
 fn limits_are_the_machine_s_own_where_it_told_them() {
-    let options = VetOptions::of(&known(&HOMED, [-1.0, -1.0, -1.0], [-290.0, -190.0, -40.0]), Some([500.0; 3]));
-    assert_eq!(options.limits, Limits::Box { low: [-300.0, -200.0, -80.0], high: [0.0; 3], soft: true });
-    vetted("G0 Z5\nG0 X0 Y0\nG1 Z-20 F100\nX290\nG53 G0 Z0\n", options.clone()).unwrap();
+    let options = VetOptions::of(
+        &known(&HOMED, [-1.0, -1.0, -1.0], [-290.0, -190.0, -40.0]),
+        Some([500.0; 3]),
+    );
+    assert_eq!(
+        options.limits,
+        Limits::Box {
+            low: [-300.0, -200.0, -80.0],
+            high: [0.0; 3],
+            soft: true
+        }
+    );
+    vetted(
+        "G0 Z5\nG0 X0 Y0\nG1 Z-20 F100\nX290\nG53 G0 Z0\n",
+        options.clone(),
+    )
+    .unwrap();
     let said = refused_by("G0 Z5\nG1 X291 F100\n", options.clone());
     assert_eq!(
         said,
@@ -213,12 +289,18 @@ fn limits_are_the_machine_s_own_where_it_told_them() {
     assert!(said.starts_with("2:1 Y would go to 5.000"), "{said}");
     assert!(refused_by("G53 G0 Z1\n", options.clone()).starts_with("1:1 Z would go to 1.000"));
     // In another work system the same line goes elsewhere.
-    assert!(refused_by("G55 G0 X-5 Y-5 Z-5\nG0 X1\n", options).starts_with("2:1 X would go to 1.000"));
+    assert!(
+        refused_by("G55 G0 X-5 Y-5 Z-5\nG0 X1\n", options).starts_with("2:1 X would go to 1.000")
+    );
 }
 
 #[test]
 fn without_a_home_only_the_size_is_known_and_who_told_it() {
-    let unhomed = known(&[(22, 0.0), (130, 300.0), (131, 200.0), (132, 80.0)], [0.0; 3], [0.0; 3]);
+    let unhomed = known(
+        &[(22, 0.0), (130, 300.0), (131, 200.0), (132, 80.0)],
+        [0.0; 3],
+        [0.0; 3],
+    );
     let options = VetOptions::of(&unhomed, None);
     vetted("G0 X-100\nG0 X200\n", options.clone()).unwrap();
     assert_eq!(
@@ -233,7 +315,14 @@ fn without_a_home_only_the_size_is_known_and_who_told_it() {
     forced.letters = "VZ".into();
     forced.settings.push((23, 3.0));
     let limits = VetOptions::of(&forced, None).limits;
-    assert_eq!(limits, Limits::Box { low: [0.0, 0.0, -80.0], high: [300.0, 200.0, 0.0], soft: true });
+    assert_eq!(
+        limits,
+        Limits::Box {
+            low: [0.0, 0.0, -80.0],
+            high: [300.0, 200.0, 0.0],
+            soft: true
+        }
+    );
 }
 
 #[test]
@@ -242,7 +331,12 @@ fn a_resume_starts_in_the_middle_with_the_state_it_is_given() {
     start.position.z = 5.0;
     let options = VetOptions {
         start,
-        entry: vec!["G1 F300".into(), "M3 S1000".into(), "G0 X1 Y1".into(), "G1 Z-1".into()],
+        entry: vec![
+            "G1 F300".into(),
+            "M3 S1000".into(),
+            "G0 X1 Y1".into(),
+            "G1 Z-1".into(),
+        ],
         first_line: 4,
         ..VetOptions::default()
     };
@@ -264,13 +358,20 @@ fn weights_follow_from_what_a_line_does() {
         .iter()
         .map(|l| {
             let w = l.weight;
-            let letters = [(w.dangerous, 'd'), (w.changes_frame, 'f'), (w.changes_motion, 'm'), (w.restates_motion, 'r')];
+            let letters = [
+                (w.dangerous, 'd'),
+                (w.changes_frame, 'f'),
+                (w.changes_motion, 'm'),
+                (w.restates_motion, 'r'),
+            ];
             letters.iter().filter(|l| l.0).map(|l| l.1).collect()
         })
         .collect();
     assert_eq!(
         weights,
-        ["r", "dr", "dr", "dmr", "", "d", "mr", "", "dr", "fr", "mr", "fr", "dmr"]
+        [
+            "r", "dr", "dr", "dmr", "", "d", "mr", "", "dr", "fr", "mr", "fr", "dmr"
+        ]
     );
 }
 
@@ -322,7 +423,11 @@ fn a_long_program_is_read_as_it_is_needed_and_never_kept() {
     let shared = most.clone();
     let source = move || {
         let most = shared.clone();
-        Ok(Box::new(Endless { at: 0, length: 10 * 100_000, most }) as Box<dyn JobReader>)
+        Ok(Box::new(Endless {
+            at: 0,
+            length: 10 * 100_000,
+            most,
+        }) as Box<dyn JobReader>)
     };
     let job = vet(Arc::new(source), VetOptions::default(), &mut |_, _| {}).unwrap();
     assert_eq!((job.total, job.source_lines), (100_000, 100_000));
@@ -333,7 +438,10 @@ fn a_long_program_is_read_as_it_is_needed_and_never_kept() {
     let mut lines = job.lines().unwrap();
     for n in 1..=1000u64 {
         lines.next_line().unwrap().unwrap();
-        assert!(*most.lock().unwrap() <= n.div_ceil(256) * 2560, "at line {n}");
+        assert!(
+            *most.lock().unwrap() <= n.div_ceil(256) * 2560,
+            "at line {n}"
+        );
     }
 }
 
@@ -363,7 +471,10 @@ fn a_program_that_changed_is_noticed_before_any_of_the_change_is_sent() {
     assert_eq!(with(&|_| {}), (1000, String::new()));
     let (sent, why) = with(&|t| t.replace_range(5 * 600..5 * 600 + 4, "G0X2"));
     assert_eq!(sent, 512);
-    assert!(why.starts_with("the program changed after it was checked, at or behind line 513"), "{why}");
+    assert!(
+        why.starts_with("the program changed after it was checked, at or behind line 513"),
+        "{why}"
+    );
     assert_eq!(with(&|t| t.truncate(5 * 900)).0, 768);
     assert_eq!(with(&|t| t.push_str("G0X9\n")).0, 768);
 }

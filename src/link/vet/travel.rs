@@ -93,7 +93,10 @@ fn places(motion: &Motion) -> impl Iterator<Item = Point> {
 fn turning_points(motion: &Motion, arc: &Arc) -> Vec<Point> {
     use std::f64::consts::{FRAC_PI_2, TAU};
     let [a, b, _] = arc.plane.axes();
-    let (u, v) = (motion.from[a] - arc.center[a], motion.from[b] - arc.center[b]);
+    let (u, v) = (
+        motion.from[a] - arc.center[a],
+        motion.from[b] - arc.center[b],
+    );
     let (radius, start) = (u.hypot(v), v.atan2(u));
     let mut out = Vec::new();
     if !(start.is_finite() && arc.sweep.is_finite()) {

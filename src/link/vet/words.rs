@@ -108,7 +108,10 @@ pub(super) fn column_of(line: &str, letter: char, number: f64) -> usize {
                     .filter(|c| *c > ' ')
                     .take_while(|c| c.is_ascii_digit() || *c == '.')
                     .collect();
-                if digits.parse::<f64>().is_ok_and(|v| (v - number).abs() < 5e-3) {
+                if digits
+                    .parse::<f64>()
+                    .is_ok_and(|v| (v - number).abs() < 5e-3)
+                {
                     return column;
                 }
             }
