@@ -98,6 +98,7 @@ impl Session {
         self.cut_off();
         self.news
             .push(Progress::Stopping("the controller restarted".to_string()));
-        self.last_look(now);
+        // Lines that were still on their way would run now, from a zero that is none.
+        self.reset(now);
     }
 }
