@@ -10,6 +10,7 @@ use crate::link::errand::{Errand, ErrandError, ErrandOptions, News, Task};
 use crate::link::port::{self, Port};
 use crate::link::{Known, Unknown};
 use crate::machine::Machine;
+use crate::wire::Reply;
 use serde::Serialize;
 use std::io::{IsTerminal as _, Write};
 use std::path::PathBuf;
@@ -240,8 +241,10 @@ impl PositionLine {
             News::Connected(known) => self.tell(&format!("connected: {}", known.version)),
             News::Note(text) => self.tell(&format!("note: {text}")),
             News::Stopping(text) => self.tell(text),
-            News::Said(_, crate::wire::Reply::Message(text)) => {
-                self.tell(&format!("controller: {text}"))
+            News::Said(_, reply) => {
+                if let Reply::Message(text) = &**reply {
+                    self.tell(&format!("controller: {text}"));
+                }
             }
             News::Report(status, known) if self.terminal => {
                 let place = known.machine_position.map(place).unwrap_or_default();

@@ -47,8 +47,8 @@ mod report;
 pub mod rig;
 pub mod script;
 pub mod settings;
-pub mod tcp;
 mod switches;
+pub mod tcp;
 
 pub use fault::{Faults, Side, Tally};
 pub use fault_plan::{Deed, FaultError, FaultPlan, Noise, When};

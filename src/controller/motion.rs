@@ -206,7 +206,6 @@ impl Motion {
                     from: self.position,
                     to: self.position,
                     block: self.block.unwrap_or((steps, steps)),
-                    rapid: false,
                 });
             }
             self.going = true;

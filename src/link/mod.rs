@@ -12,8 +12,8 @@
 //! ```
 
 pub mod command;
-pub mod errand;
 pub mod drive;
+pub mod errand;
 pub mod introduction;
 pub mod job;
 pub mod journal;

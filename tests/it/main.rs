@@ -24,10 +24,13 @@ mod programs;
 mod round_trip;
 mod translations;
 
+<<<<<<< HEAD
 mod campaign;
+=======
+mod errand;
+>>>>>>> main
 mod fuzz;
 mod hostile;
-mod errand;
 mod link;
 mod looks;
 mod machines;

@@ -1177,10 +1177,9 @@ fn what_is_not_trustworthy_is_refused_and_says_what_to_do() {
         assert!(plan.notes[0].starts_with("you answer for it: "), "{plan}");
         // Homed, on a machine that homes: good again, but for a part cut wrong.
         let mut homed = here([-1.0, -1.0, -1.0]);
-        homed.settings.iter_mut().for_each(|s| match s.0 {
-            22 => s.1 = 1.0,
-            _ => {}
-        });
+        for setting in homed.settings.iter_mut().filter(|s| s.0 == 22) {
+            setting.1 = 1.0;
+        }
         let again = resume(
             SQUARE,
             &fingerprint(SQUARE.as_bytes()),

@@ -73,7 +73,7 @@ impl Timer {
         for (index, seconds) in times.per_line.iter().enumerate() {
             table.total += seconds;
             let line = self.first_line + index;
-            if line % table.stride == 0 {
+            if line.is_multiple_of(table.stride) {
                 table.marks.push((line, table.total));
             }
         }

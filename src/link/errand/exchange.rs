@@ -135,7 +135,7 @@ pub enum News {
     /// A line was sent.
     Sent(String),
     /// A line came back that is not a status report: as received, and read.
-    Said(String, Reply),
+    Said(String, Box<Reply>),
     /// A report came in.
     Report(Box<Status>, Box<Known>),
     /// A stop has begun, and why.

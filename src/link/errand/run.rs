@@ -331,13 +331,16 @@ impl<T: Task> Errand<T> {
             introduction.receive(reply, now);
             self.out.extend(introduction.output());
             if matches!(reply, Reply::Message(_) | Reply::Alarm(_)) {
-                self.news.push(News::Said(line.to_string(), reply.clone()));
+                self.news
+                    .push(News::Said(line.to_string(), Box::new(reply.clone())));
             }
             return self.met(now);
         }
         match reply {
             Reply::Status(status) => self.report(status, now),
-            _ => self.news.push(News::Said(line.to_string(), reply.clone())),
+            _ => self
+                .news
+                .push(News::Said(line.to_string(), Box::new(reply.clone()))),
         }
         if matches!(
             self.phase,

@@ -85,7 +85,9 @@ impl Inquiry {
         self.found.spoke |= !bytes.is_empty();
         for line in self.lines.feed(bytes) {
             match Reply::parse(&line) {
-                Reply::Welcome { firmware, version, .. } => {
+                Reply::Welcome {
+                    firmware, version, ..
+                } => {
                     self.found.greeting = Some(format!("{firmware} {version}"));
                     if self.phase == Phase::Greeting {
                         self.ask_report(now);

@@ -195,7 +195,7 @@ impl Session {
                 self.news.push(Progress::Resumed);
             } else if self.hold_asked
                 && self.resume.is_none()
-                && *state == State::Run
+                && matches!(state, State::Run | State::Idle)
                 && now.saturating_sub(self.last_hold_sent) > HOLD_AGAIN
             {
                 // Still running: the hold was lost on the way.
