@@ -202,6 +202,7 @@ impl Motion {
             if !self.going && self.start_delay > 0.0 && !self.planner.is_empty() {
                 let steps = self.planner.steps_of_point(&self.position);
                 self.slices.push_back(Slice {
+                    rapid: false,
                     duration: self.start_delay,
                     from: self.position,
                     to: self.position,

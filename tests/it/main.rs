@@ -24,11 +24,8 @@ mod programs;
 mod round_trip;
 mod translations;
 
-<<<<<<< HEAD
 mod campaign;
-=======
 mod errand;
->>>>>>> main
 mod fuzz;
 mod hostile;
 mod link;

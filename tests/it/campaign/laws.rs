@@ -4,6 +4,8 @@ use super::bench::{Bench, Ran, Spot, begin, introduce, machine, standing_at};
 use super::faults::{Class, Schedule, schedule};
 use super::jobs::{Corner, Dice, START, program, way};
 use morsemill::controller::FaultPlan;
+use morsemill::gcode::{State, interpret_line};
+use morsemill::geom::Point;
 use morsemill::link::journal::{fingerprint, read};
 use morsemill::link::resume::{Now, Refusal, ResumeOptions, Trust, resume, zones};
 use morsemill::link::vet::{Limits, VetOptions, vet};
@@ -14,6 +16,8 @@ use std::sync::Arc;
 const NEAR: f64 = 0.01;
 /// Slack of places along the way, mm.
 const ALONG: f64 = 0.025;
+/// A reset puts the axes on whole steps, mm.
+const STEP: f64 = 0.005;
 /// What a GRBL holds of answered lines: planner blocks and slices, each of another block at worst.
 const HELD: usize = 15 + 6;
 const RX: usize = 128;
@@ -106,7 +110,9 @@ pub fn case(seed: u64, trace: bool) -> Result<Verdict, String> {
         let at = 6 + dice.roll(text.lines().count() - 6);
         let mut lines: Vec<&str> = text.lines().collect();
         lines.insert(at, "G53 G0 X4");
-        // Behind it nothing is known but that it never runs.
+        // Behind it only what still can be taken; none of it ever runs.
+        let mut state = known.start();
+        lines.retain(|line| interpret_line(&mut state, line, 0, &mut Vec::new()).is_ok());
         text = lines.join("\n") + "\n";
     }
     let corners = way(&text, &known.start());
@@ -130,7 +136,7 @@ pub fn case(seed: u64, trace: bool) -> Result<Verdict, String> {
         virtual_s: ran.ended_at,
         log: ran.log.clone(),
     };
-    let judged = judge(&text, &corners, &ends, &bytes, &ran, class, delay, &mut verdict, &mut dice, trace);
+    let judged = judge(&text, &known.start(), &corners, &bytes, &ran, class, delay, &mut verdict, &mut dice, trace);
     match judged {
         Ok(()) => Ok(verdict),
         Err(why) => Err(format!("{}\n{class:?}, ended {} at {:.3} s: {why}", verdict.log.join("\n"), verdict.ending, ran.ended_at)),
@@ -139,7 +145,7 @@ pub fn case(seed: u64, trace: bool) -> Result<Verdict, String> {
 
 #[expect(clippy::too_many_arguments, reason = "all of a case")]
 fn judge(
-    text: &str, corners: &[Corner], ends: &[f64], bytes: &[(usize, usize)], ran: &Ran, class: Class, delay: f64,
+    text: &str, start: &State, corners: &[Corner], bytes: &[(usize, usize)], ran: &Ran, class: Class, delay: f64,
     verdict: &mut Verdict, dice: &mut Dice, trace: bool,
 ) -> Result<(), String> {
     let law = |holds: bool, what: &str| if holds { Ok(()) } else { Err(what.to_string()) };
@@ -149,6 +155,17 @@ fn judge(
         return Err("(e) the session never ended".to_string());
     };
     // (b) The way driven is the beginning of the program's.
+    // A refused line is dropped whole, and what was behind it in the ring runs without it until the hold arrives.
+    let refused = match ran.outcome.as_ref().map(|o| &o.ending) {
+        Some(Ending::Refused { line, .. }) if *line > 0 => Some(*line),
+        _ => None,
+    };
+    let without = refused.map(|line| {
+        let lines: Vec<&str> = text.lines().enumerate().map(|(i, l)| if i + 1 == line { "" } else { l }).collect();
+        way(&lines.join("\n"), start)
+    });
+    let corners = without.as_deref().unwrap_or(corners);
+    let ends = &self::ends(corners)[..];
     let followed = follow(corners, &ran.spots);
     let total = ends[ends.len() - 1];
     if done {
@@ -168,9 +185,13 @@ fn judge(
     law(ran.moved_after_restart <= 2.0 * delay + 0.05, &format!("(a) the axes moved {:.3} s after a restart of the controller", ran.moved_after_restart))?;
     let over = ran.outcome.as_ref().filter(|o| !matches!(o.ending, Ending::Silent { .. } | Ending::Broken(_)));
     if over.is_some() {
-        law(ran.spots.len() == ran.spots_at_end, "(a) the axes moved after the end of the session")?;
+        let place = ran.spots_at_end.checked_sub(1).and_then(|i| ran.spots.get(i)).map_or(Point::from(START), |s| s.at);
+        let moved = ran.spots.iter().skip(ran.spots_at_end).any(|s| (s.at - place).norm() > STEP);
+        law(!moved, "(a) the axes moved after the end of the session")?;
     }
-    if let (Some(hold), true, Some(last)) = (ran.hold_at, over.is_some() && class.is_clean(), ran.spots.last()) {
+    let place = ran.spots.last().map_or(Point::from(START), |s| s.at);
+    let last = ran.spots.iter().rfind(|s| (s.at - place).norm() > STEP);
+    if let (Some(hold), true, Some(last)) = (ran.hold_at, over.is_some() && class.is_clean(), last) {
         // 50 ms of slices, then braking from the fastest there is: 100 mm/s at 700 mm/s² on each axis; the port may take a byte at a time.
         law(last.t <= hold + delay + 0.05 + 100.0 / 700.0 + 0.06, &format!("(a) still moving {:.3} s after the stop began", last.t - hold))?;
     }
@@ -178,7 +199,7 @@ fn judge(
     if class != Class::Noise {
         law(ran.bytes_lost == 0, "(f) the receive ring overflowed")?;
     }
-    let way = match followed {
+    let driven = match followed {
         Ok(way) => way,
         Err(_) if !class.is_clean() => {
             verdict.astray = true;
@@ -196,13 +217,13 @@ fn judge(
     };
     let z = match zones(text, first_record, &history, Some("boot")) {
         Ok(z) => z,
-        Err(Refusal::NothingSent) => return law(way < ALONG, "(c) nothing was sent, it says, but it moved"),
+        Err(Refusal::NothingSent) => return law(driven < ALONG, "(c) nothing was sent, it says, but it moved"),
         Err(e) => return Err(format!("(c) {e}")),
     };
     let upto = |line: usize| corners.iter().rposition(|c| c.line <= line).map_or(0.0, |i| ends[i]);
-    let facts = format!("{z:?}, {way:.3} of {total:.3} mm, answered {} sent {} allowed {}", history.acknowledged, history.sent, history.allowed);
-    law(upto(z.first - 1) <= way + ALONG, &format!("(c) a line before the zone was not carried out: {facts}"))?;
-    law(way <= upto(z.last) + ALONG, &format!("(c) a line behind the zone was begun: {facts}"))?;
+    let facts = format!("{z:?}, {driven:.3} of {total:.3} mm, answered {} sent {} allowed {}", history.acknowledged, history.sent, history.allowed);
+    law(upto(z.first - 1) <= driven + ALONG, &format!("(c) a line before the zone was not carried out: {facts}"))?;
+    law(driven <= upto(z.last) + ALONG, &format!("(c) a line behind the zone was begun: {facts}"))?;
     let queued = corners.iter().filter(|c| c.line > z.first && c.line <= history.acknowledged).count();
     law(queued < HELD + 8, &format!("(c) {queued} blocks in the zone: {facts}"))?;
     let unanswered: usize = bytes.iter().filter(|b| b.0 > history.acknowledged && b.0 <= z.last).map(|b| b.1).sum();
@@ -211,15 +232,18 @@ fn judge(
     if class == Class::SoftLimit || class == Class::Noise || class == Class::Replug {
         return Ok(());
     }
-    again(text, corners, ends, ran, class, way, &history, verdict, dice, trace)
+    // Only what comes before a refused line was cut as it should be.
+    let cut = refused.map_or(driven, |line| driven.min(upto(line - 1)));
+    again(text, &self::way(text, start), ran, class, cut, &history, verdict, dice, trace)
 }
 
 /// (d) Taken up again, the whole way is driven, each piece as it should be.
 #[expect(clippy::too_many_arguments, reason = "all of a case")]
 fn again(
-    text: &str, corners: &[Corner], ends: &[f64], ran: &Ran, class: Class, way: f64,
+    text: &str, corners: &[Corner], ran: &Ran, class: Class, cut: f64,
     history: &morsemill::link::journal::History, verdict: &mut Verdict, dice: &mut Dice, trace: bool,
 ) -> Result<(), String> {
+    let ends = &self::ends(corners)[..];
     let mut c = if class.forgets() && ran.restarted {
         // The tool is where it was; the operator homes, and drives it there.
         let place = ran.spots.last().map_or(START, |s| [s.at.x, s.at.y, s.at.z]);
@@ -258,8 +282,8 @@ fn again(
     };
     // The first run came to the entry: nothing is left out between.
     let upto = |line: usize| corners.iter().rposition(|c| c.line <= line).map_or(0.0, |i| ends[i]);
-    if upto(plan.entry.line - 1) > way + ALONG && corners.iter().any(|c| c.line < plan.entry.line && !c.rapid && upto(c.line) > way + ALONG) {
-        return Err(format!("(d) the entry, line {}, lies {:.3} mm ahead of what was cut", plan.entry.line, upto(plan.entry.line - 1) - way));
+    if upto(plan.entry.line - 1) > cut + ALONG && corners.iter().any(|c| c.line < plan.entry.line && !c.rapid && upto(c.line) > cut + ALONG) {
+        return Err(format!("(d) the entry, line {}, lies {:.3} mm ahead of what was cut", plan.entry.line, upto(plan.entry.line - 1) - cut));
     }
     let rest = plan.program(text);
     let rest_way = self::way(&rest, &now_known.start());
