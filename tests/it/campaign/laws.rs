@@ -165,7 +165,7 @@ fn judge(
         way(&lines.join("\n"), start)
     });
     let corners = without.as_deref().unwrap_or(corners);
-    let ends = &self::ends(corners)[..];
+    let ends = &ends(corners)[..];
     let followed = follow(corners, &ran.spots);
     let total = ends[ends.len() - 1];
     if done {
@@ -234,7 +234,7 @@ fn judge(
     }
     // Only what comes before a refused line was cut as it should be.
     let cut = refused.map_or(driven, |line| driven.min(upto(line - 1)));
-    again(text, &self::way(text, start), ran, class, cut, &history, verdict, dice, trace)
+    again(text, &way(text, start), ran, class, cut, &history, verdict, dice, trace)
 }
 
 /// (d) Taken up again, the whole way is driven, each piece as it should be.
@@ -243,7 +243,7 @@ fn again(
     text: &str, corners: &[Corner], ran: &Ran, class: Class, cut: f64,
     history: &morsemill::link::journal::History, verdict: &mut Verdict, dice: &mut Dice, trace: bool,
 ) -> Result<(), String> {
-    let ends = &self::ends(corners)[..];
+    let ends = &ends(corners)[..];
     let mut c = if class.forgets() && ran.restarted {
         // The tool is where it was; the operator homes, and drives it there.
         let place = ran.spots.last().map_or(START, |s| [s.at.x, s.at.y, s.at.z]);
@@ -286,7 +286,7 @@ fn again(
         return Err(format!("(d) the entry, line {}, lies {:.3} mm ahead of what was cut", plan.entry.line, upto(plan.entry.line - 1) - cut));
     }
     let rest = plan.program(text);
-    let rest_way = self::way(&rest, &now_known.start());
+    let rest_way = way(&rest, &now_known.start());
     // From the entry on it is the program's own way.
     let head = plan.map().head;
     let split = rest_way.iter().rposition(|c| c.line <= head).unwrap_or(0);
@@ -309,7 +309,7 @@ fn again(
     if outcome != Some(Ending::Done) {
         return Err(format!("(d) the resumed job ended {outcome:?}"));
     }
-    let whole: f64 = self::ends(&rest_way).last().copied().unwrap_or(0.0);
+    let whole: f64 = ends(&rest_way).last().copied().unwrap_or(0.0);
     let driven = follow(&rest_way, &second.spots).map_err(|e| format!("(d) resumed: {e}"))?;
     if driven < whole - ALONG {
         return Err(format!("(d) resumed: {driven:.3} of {whole:.3} mm"));
