@@ -70,7 +70,6 @@ pub fn zones(
     }
     let first = surely_cut(text, begin, history)?
         .min(history.acknowledged)
-        .min(refused(history))
         .max(entry)
         .max(1);
     let last = last
@@ -119,10 +118,12 @@ fn surely_cut(text: &str, begin: &Begin, history: &History) -> Result<usize, Ref
     // Lines of which blocks may be queued, oldest first, with their blocks.
     let mut queue: VecDeque<(usize, usize)> = VecDeque::new();
     let mut blocks = 0;
+    // What stands in a refused line made nobody wait, and what was answered behind it may have been something else.
+    let known = history.acknowledged.min(refused(history) - 1);
     let mut walk = Program::of(text, history, begin).walk();
     while let Some(step) = walk.step() {
         let line = step.map_err(Refusal::Unreadable)?;
-        if line > history.acknowledged {
+        if line > known {
             break;
         }
         if line < entry {
@@ -166,5 +167,5 @@ fn surely_cut(text: &str, begin: &Begin, history: &History) -> Result<usize, Ref
             queue.pop_front();
         }
     }
-    Ok(queue.front().map_or(history.acknowledged + 1, |q| q.0))
+    Ok(queue.front().map_or(known + 1, |q| q.0))
 }
