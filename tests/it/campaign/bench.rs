@@ -259,12 +259,13 @@ impl Bench {
                 other => self.say(|| format!("   {other:?}")),
             }
             match news {
+                Progress::Note(text) if text.contains("close it, then resume") => {
+                    self.wishes.push_back((self.rig.now() + 1.0, Command::Resume));
+                }
                 Progress::Prompt(_) | Progress::Paused(_) => {
                     let at = self.rig.now() + 0.3 + self.dice.part();
                     let place = self.wishes.iter().position(|w| w.0 > at).unwrap_or(self.wishes.len());
                     self.wishes.insert(place, (at, Command::Resume));
-                    // A door that is still open does not let go on: once more later.
-                    self.wishes.push_back((at + 6.0, Command::Resume));
                 }
                 Progress::Stopping(_) => self.hold_at = Some(self.rig.now()),
                 _ => {}

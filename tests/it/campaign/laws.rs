@@ -79,7 +79,7 @@ impl Follower<'_> {
 }
 
 /// Way up to each corner, mm.
-fn ends(corners: &[Corner]) -> Vec<f64> {
+fn lengths(corners: &[Corner]) -> Vec<f64> {
     let mut sum = 0.0;
     let pieces = corners.windows(2).map(|w| (w[1].to - w[0].to).norm());
     std::iter::once(0.0).chain(pieces.map(|l| { sum += l; sum })).collect()
@@ -91,7 +91,7 @@ fn follow(corners: &[Corner], spots: &[Spot]) -> Result<f64, String> {
     for spot in spots {
         f.go(spot)?;
     }
-    Ok(f.way(&ends(corners)))
+    Ok(f.way(&lengths(corners)))
 }
 
 fn job(text: &str, known: &Known, entry: Vec<String>, first_line: usize) -> Result<Job, String> {
@@ -116,7 +116,7 @@ pub fn case(seed: u64, trace: bool) -> Result<Verdict, String> {
         text = lines.join("\n") + "\n";
     }
     let corners = way(&text, &known.start());
-    let ends = ends(&corners);
+    let ends = lengths(&corners);
     let total = ends[ends.len() - 1];
     let plan = schedule(&mut dice, class, total / 13.0, text.lines().count());
     let tell = |what: String| format!("{class:?}: {what}");
@@ -165,7 +165,7 @@ fn judge(
         way(&lines.join("\n"), start)
     });
     let corners = without.as_deref().unwrap_or(corners);
-    let ends = &ends(corners)[..];
+    let ends = &lengths(corners)[..];
     let followed = follow(corners, &ran.spots);
     let total = ends[ends.len() - 1];
     if done {
@@ -224,7 +224,7 @@ fn judge(
     let facts = format!("{z:?}, {driven:.3} of {total:.3} mm, answered {} sent {} allowed {}", history.acknowledged, history.sent, history.allowed);
     law(upto(z.first - 1) <= driven + ALONG, &format!("(c) a line before the zone was not carried out: {facts}"))?;
     law(driven <= upto(z.last) + ALONG, &format!("(c) a line behind the zone was begun: {facts}"))?;
-    let queued = corners.iter().filter(|c| c.line > z.first && c.line <= history.acknowledged).count();
+    let queued = corners.iter().filter(|c| c.line > z.first && c.line <= history.acknowledged.min(refused.unwrap_or(usize::MAX))).count();
     law(queued < HELD + 8, &format!("(c) {queued} blocks in the zone: {facts}"))?;
     let unanswered: usize = bytes.iter().filter(|b| b.0 > history.acknowledged && b.0 <= z.last).map(|b| b.1).sum();
     let room = if history.end.is_none() { 2 * RX + 80 } else { RX };
@@ -243,7 +243,7 @@ fn again(
     text: &str, corners: &[Corner], ran: &Ran, class: Class, cut: f64,
     history: &morsemill::link::journal::History, verdict: &mut Verdict, dice: &mut Dice, trace: bool,
 ) -> Result<(), String> {
-    let ends = &ends(corners)[..];
+    let ends = &lengths(corners)[..];
     let mut c = if class.forgets() && ran.restarted {
         // The tool is where it was; the operator homes, and drives it there.
         let place = ran.spots.last().map_or(START, |s| [s.at.x, s.at.y, s.at.z]);
@@ -309,7 +309,7 @@ fn again(
     if outcome != Some(Ending::Done) {
         return Err(format!("(d) the resumed job ended {outcome:?}"));
     }
-    let whole: f64 = ends(&rest_way).last().copied().unwrap_or(0.0);
+    let whole: f64 = lengths(&rest_way).last().copied().unwrap_or(0.0);
     let driven = follow(&rest_way, &second.spots).map_err(|e| format!("(d) resumed: {e}"))?;
     if driven < whole - ALONG {
         return Err(format!("(d) resumed: {driven:.3} of {whole:.3} mm"));
