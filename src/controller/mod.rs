@@ -496,6 +496,11 @@ impl Controller {
         self.motion.going()
     }
 
+    /// What the axes did last was a rapid move.
+    pub fn ran_rapid(&self) -> bool {
+        self.motion.ran_rapid()
+    }
+
     /// Machine position, mm.
     pub fn position(&self) -> Point {
         match &self.homing {

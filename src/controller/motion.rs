@@ -234,7 +234,9 @@ impl Motion {
     pub fn abort(&mut self) {
         // The axes stand on whole steps.
         let place = self.position_in_steps();
+        let ran_rapid = self.ran_rapid;
         *self = self.anew(&self.planner.settings().clone(), place);
+        self.ran_rapid = ran_rapid;
     }
 
     /// New machine figures. Only while empty; otherwise they are ignored.

@@ -24,6 +24,7 @@ mod programs;
 mod round_trip;
 mod translations;
 
+mod campaign;
 mod errand;
 mod fuzz;
 mod hostile;

@@ -4,7 +4,7 @@ use super::blocks::Counter;
 use super::refusal::Refusal;
 use super::walk::{Program, sent};
 use crate::gcode::Event;
-use crate::link::journal::{Begin, Damage, History, SYNC_GAP};
+use crate::link::journal::{Begin, Damage, Doubt, History, SYNC_GAP};
 use std::collections::VecDeque;
 
 /// Slices of motion that a firmware prepares beyond its planner, each of another block at worst: GRBL 1.1 has 5 usable and one that runs.
@@ -83,6 +83,15 @@ pub fn zones(
     })
 }
 
+/// The first line that was refused: it was dropped whole, whatever was answered behind it.
+fn refused(history: &History) -> usize {
+    let lines = history.doubts.iter().filter_map(|d| match d {
+        Doubt::Refused { line, .. } if *line > 0 => Some(*line),
+        _ => None,
+    });
+    lines.min().unwrap_or(usize::MAX)
+}
+
 /// The last line that may have been sent while the disk was behind.
 fn behind_the_gap(text: &str, begin: &Begin, last: usize) -> usize {
     let mut bytes = begin.bytes_per_s.max(0.0) * SYNC_GAP + 2.0 * begin.rx_bytes as f64;
@@ -109,10 +118,12 @@ fn surely_cut(text: &str, begin: &Begin, history: &History) -> Result<usize, Ref
     // Lines of which blocks may be queued, oldest first, with their blocks.
     let mut queue: VecDeque<(usize, usize)> = VecDeque::new();
     let mut blocks = 0;
+    // What stands in a refused line made nobody wait, and what was answered behind it may have been something else.
+    let known = history.acknowledged.min(refused(history) - 1);
     let mut walk = Program::of(text, history, begin).walk();
     while let Some(step) = walk.step() {
         let line = step.map_err(Refusal::Unreadable)?;
-        if line > history.acknowledged {
+        if line > known {
             break;
         }
         if line < entry {
@@ -136,7 +147,9 @@ fn surely_cut(text: &str, begin: &Begin, history: &History) -> Result<usize, Ref
                 Event::Pause { optional, .. } => !optional,
                 // Laser mode changes the beam in passing, and other firmwares have their own ideas of what waits.
                 Event::Spindle { .. } => is_grbl(begin) && !laser,
-                Event::Coolant { .. } | Event::Sync { .. } => is_grbl(begin),
+                // Coolant that is on already makes GRBL wait for nothing, and the operator may have switched it by a real-time byte.
+                Event::Coolant { .. } => false,
+                Event::Sync { .. } => is_grbl(begin),
             };
             if waits {
                 queue.clear();
@@ -154,5 +167,5 @@ fn surely_cut(text: &str, begin: &Begin, history: &History) -> Result<usize, Ref
             queue.pop_front();
         }
     }
-    Ok(queue.front().map_or(history.acknowledged + 1, |q| q.0))
+    Ok(queue.front().map_or(known + 1, |q| q.0))
 }

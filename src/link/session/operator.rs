@@ -188,15 +188,15 @@ impl Session {
         if !held {
             let sent = matches!(self.resume, Some(Resume::Sent(_)));
             // Once a hold was told, a report without one means that somebody else resumed; before that, it is merely older than the
-            // hold.
-            if sent || self.pause_told {
+            // hold, unless it has had its time: then the hold was lost, or was left by a resume wished for twice.
+            let overdue = now.saturating_sub(self.last_hold_sent) > HOLD_AGAIN;
+            if sent || self.pause_told || (overdue && self.resume.is_some()) {
                 (self.hold_asked, self.pause_told, self.resume) = (false, false, None);
                 self.spindle_stopped = false;
                 self.news.push(Progress::Resumed);
             } else if self.hold_asked
-                && self.resume.is_none()
-                && *state == State::Run
-                && now.saturating_sub(self.last_hold_sent) > HOLD_AGAIN
+                && matches!(state, State::Run | State::Idle)
+                && overdue
             {
                 // Still running: the hold was lost on the way.
                 self.realtime(Realtime::Hold);

@@ -3,7 +3,7 @@
 use super::{Phase, Session};
 use crate::link::outcome::Ending;
 use crate::link::progress::{Progress, Stall};
-use crate::wire::{Realtime, State};
+use crate::wire::{DoorPhase, Realtime, State};
 use std::time::Duration;
 
 impl Session {
@@ -12,8 +12,7 @@ impl Session {
         self.ending = ending;
         self.cut_off();
         self.news.push(Progress::Stopping(why.to_string()));
-        self.realtime(Realtime::Hold);
-        self.last_hold_sent = now;
+        self.hold_again(now);
         // A question under way may have been answered before the hold; ask afresh.
         self.asked = None;
         self.last_asked = now;
@@ -42,12 +41,19 @@ impl Session {
             return self.reset(now);
         }
         self.phase = Phase::Stopping { quiet_reports };
-        if matches!(state, State::Run | State::Jog)
+        let resuming = matches!(state, State::Door(DoorPhase::Resuming));
+        if (resuming || matches!(state, State::Run | State::Jog))
             && now.saturating_sub(self.last_hold_sent) > Duration::from_millis(500)
         {
-            self.realtime(Realtime::Hold);
-            self.last_hold_sent = now;
+            self.hold_again(now);
         }
+    }
+
+    /// A hold; behind a door that is being left a feed hold is ignored, and only the door command keeps the machine from going on.
+    fn hold_again(&mut self, now: Duration) {
+        let resuming = matches!(self.state(), State::Door(DoorPhase::Resuming));
+        self.realtime(if resuming { Realtime::Door } else { Realtime::Hold });
+        self.last_hold_sent = now;
     }
 
     pub(super) fn reset(&mut self, now: Duration) {
@@ -98,6 +104,7 @@ impl Session {
         self.cut_off();
         self.news
             .push(Progress::Stopping("the controller restarted".to_string()));
-        self.last_look(now);
+        // Lines that were still on their way would run now, from a zero that is none.
+        self.reset(now);
     }
 }

@@ -136,6 +136,7 @@ impl Vetting {
         hear: &mut dyn FnMut(&JobLine, &Event),
     ) -> Option<JobLine> {
         let mut events = Vec::new();
+        let work_offset = self.preparer.state().work_offset;
         let prepared = self
             .preparer
             .prepare(text, number, &mut |event| events.push(event.clone()));
@@ -144,7 +145,7 @@ impl Vetting {
                 let line = line?;
                 self.feed_missing = false;
                 for event in &events {
-                    follow(&mut self.end, event, self.preparer.state());
+                    follow(&mut self.end, event, self.preparer.state(), work_offset);
                     hear(&line, event);
                 }
                 self.total += 1;
@@ -175,7 +176,8 @@ fn dwell(event: &Event) -> f64 {
 }
 
 /// Keeps track of which end coordinates the text alone decides.
-fn follow(end: &mut [Option<f64>; 3], event: &Event, state: &State) {
+/// `work_offset`: the work system (0: G54) before the line.
+fn follow(end: &mut [Option<f64>; 3], event: &Event, state: &State, work_offset: usize) {
     match event {
         Event::Motion(m) => {
             for (i, known) in end.iter_mut().enumerate() {
@@ -191,7 +193,9 @@ fn follow(end: &mut [Option<f64>; 3], event: &Event, state: &State) {
                 }
             }
         }
+        // The end of a program goes back to G54: the same place has other coordinates, by offsets that the text does not tell.
         Event::Probe { .. } | Event::Sync { .. } => *end = [None; 3],
+        Event::End { .. } if work_offset != state.work_offset => *end = [None; 3],
         _ => {}
     }
 }
