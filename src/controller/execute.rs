@@ -168,10 +168,14 @@ impl Controller {
 
     /// A jog that has come to its end, or to rest after being cancelled, leaves Idle behind.
     fn end_of_jog(&mut self) {
-        if self.mode == Mode::Jog
-            && !self.motion.going()
-            && !self.steps.iter().any(|s| matches!(s, Step::Block { .. }))
-        {
+        if self.mode == Mode::Jog && !self.motion.going() {
+            if self.steps.iter().any(|s| matches!(s, Step::Block { .. })) {
+                // A jog that waited for room survives the cancelling of those before it, and is the next one.
+                if self.motion.is_holding() {
+                    self.motion.abort();
+                }
+                return;
+            }
             if !self.motion.is_empty() && !self.motion.is_holding() {
                 return;
             }

@@ -81,7 +81,7 @@ pub(super) static LINUXCNC: Rules = Rules {
     title: "LinuxCNC 2.8 and later; PathPilot",
     source: "LinuxCNC manual (G-Code Reference, M-Code Reference, G-Code Overview)",
     assumed: &[
-        "G73 and G83 back off by 1 mm (G73_PECK_CLEARANCE, G83_PECK_CLEARANCE of a metric machine)",
+        "G73 and G83 back off by 1 mm (G73_PECK_CLEARANCE, G83_PECK_CLEARANCE of a metric machine in G21; in G20 it may be another length)",
     ],
     g: &[
         BASE,
