@@ -116,7 +116,7 @@ fn same_state(a: &State, b: &State) -> Result<(), &'static str> {
         ((0..3).all(|i| near(a.position[i], b.position[i])), "place"),
         // In G93 every block has its own F.
         (
-            a.feed_mode == FeedMode::InverseTime || near(a.feed.0, b.feed.0),
+            a.feed_mode == FeedMode::InverseTime || same_feed(a.feed.0, b.feed.0),
             "feed",
         ),
     ];
@@ -138,12 +138,17 @@ fn same_event(a: &Event, b: &Event) -> Result<f64, &'static str> {
     same_motion(a, b)
 }
 
+/// Feeds agree as far as the eight digits that GRBL reads of a number can tell: one in inch written anew in mm has more.
+fn same_feed(a: f64, b: f64) -> bool {
+    (a - b).abs() <= ROUNDING + 1e-7 * a.abs()
+}
+
 fn same_motion(a: &Motion, b: &Motion) -> Result<f64, &'static str> {
     let mut deviation = (a.from - b.from).norm().max((a.to - b.to).norm());
     if a.kind != b.kind
         || a.inverse_time != b.inverse_time
         || a.machine_coordinates != b.machine_coordinates
-        || (a.feed.0 - b.feed.0).abs() > ROUNDING + 1e-9 * a.feed.0.abs()
+        || !same_feed(a.feed.0, b.feed.0)
     {
         return Err("another feed or kind of motion");
     }

@@ -58,13 +58,13 @@ impl Session {
             (Command::Hold, _) => {
                 self.hold_asked = true;
                 self.last_hold_sent = now;
-                self.resume = None;
+                (self.resume, self.pause_told) = (None, false);
                 self.realtime(Realtime::Hold);
             }
             (Command::Door, _) => {
                 self.hold_asked = true;
                 self.last_hold_sent = now;
-                self.resume = None;
+                (self.resume, self.pause_told) = (None, false);
                 self.realtime(Realtime::Door);
             }
             (Command::Resume, _) => self.resume_wanted(now),
