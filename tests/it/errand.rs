@@ -258,7 +258,6 @@ proptest! {
         let lines = b.said().matches("$J").count();
         let result = ended.unwrap_or_else(|| b.run(60));
         if let Err(e) = result {
-            // A controller that hangs in Jog (the simulated one does, with a jog line waiting for a full planner) is reset, and the errand says so.
             prop_assert!(!b.notes().contains("takes no cancel"));
             prop_assert_eq!(e, ErrandError::Cancelled { position_kept: true });
         }

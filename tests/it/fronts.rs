@@ -262,7 +262,12 @@ fn a_plain_sender_of_another_maker() {
                 .trim()
                 .to_string()
         };
-        assert_eq!(next(), "Grbl 1.1h ['$' for help]");
+        let mut said = next();
+        while said.starts_with('<') {
+            // The answers to the last questions of the one before may be on their way still.
+            said = next();
+        }
+        assert_eq!(said, "Grbl 1.1h ['$' for help]");
         file.write_all(b"\r\n\r\n").unwrap();
         for _ in 0..4 {
             assert_eq!(next(), "ok");

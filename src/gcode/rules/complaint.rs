@@ -58,7 +58,7 @@ pub enum RuleComplaint {
     #[error("G53 moves at rapid on this control whatever stands beside it: put G0 on this line")]
     MachineIsRapid,
     /// G53 in G91 on a control that ignores it then.
-    #[error("G53 is ignored in G91 on this control: put G90 on this line")]
+    #[error("G53 does not work in G91 on this control: put G90 on this line")]
     MachineIncremental,
     /// G52 and G92 both in force, where the control keeps them apart.
     #[error("G52 and G92 at once are not supported: cancel the earlier one first")]

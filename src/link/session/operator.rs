@@ -194,10 +194,7 @@ impl Session {
                 (self.hold_asked, self.pause_told, self.resume) = (false, false, None);
                 self.spindle_stopped = false;
                 self.news.push(Progress::Resumed);
-            } else if self.hold_asked
-                && matches!(state, State::Run | State::Idle)
-                && overdue
-            {
+            } else if self.hold_asked && matches!(state, State::Run | State::Idle) && overdue {
                 // Still running: the hold was lost on the way.
                 self.realtime(Realtime::Hold);
                 self.last_hold_sent = now;

@@ -52,7 +52,11 @@ impl Session {
     /// A hold; behind a door that is being left a feed hold is ignored, and only the door command keeps the machine from going on.
     fn hold_again(&mut self, now: Duration) {
         let resuming = matches!(self.state(), State::Door(DoorPhase::Resuming));
-        self.realtime(if resuming { Realtime::Door } else { Realtime::Hold });
+        self.realtime(if resuming {
+            Realtime::Door
+        } else {
+            Realtime::Hold
+        });
         self.last_hold_sent = now;
     }
 

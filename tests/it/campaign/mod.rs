@@ -32,7 +32,11 @@ pub fn run(campaign: u64, jobs: u64) -> (Vec<Verdict>, Vec<(u64, String)>) {
         .into_par_iter()
         .map(|i| {
             let seed = seed_of(campaign, i);
-            (seed, std::panic::catch_unwind(|| case(seed, false)).unwrap_or_else(|_| Err("panic".to_string())))
+            (
+                seed,
+                std::panic::catch_unwind(|| case(seed, false))
+                    .unwrap_or_else(|_| Err("panic".to_string())),
+            )
         })
         .collect();
     let (mut good, mut bad) = (Vec::new(), Vec::new());
@@ -49,15 +53,25 @@ pub fn run(campaign: u64, jobs: u64) -> (Vec<Verdict>, Vec<(u64, String)>) {
 pub fn table(verdicts: &[Verdict]) -> String {
     let mut rows: BTreeMap<(String, String), [usize; 3]> = BTreeMap::new();
     for v in verdicts {
-        let ending = v.ending.split(" at line").next().unwrap_or_default().to_string();
+        let ending = v
+            .ending
+            .split(" at line")
+            .next()
+            .unwrap_or_default()
+            .to_string();
         let row = rows.entry((format!("{:?}", v.class), ending)).or_default();
         row[0] += 1;
         row[1] += usize::from(v.resumed);
         row[2] += usize::from(v.astray);
     }
-    let mut out = format!("{:<12} {:<28} {:>7} {:>8} {:>7}\n", "fault", "ended", "cases", "resumed", "astray");
+    let mut out = format!(
+        "{:<12} {:<28} {:>7} {:>8} {:>7}\n",
+        "fault", "ended", "cases", "resumed", "astray"
+    );
     for ((class, ending), [n, resumed, astray]) in rows {
-        out.push_str(&format!("{class:<12} {ending:<28} {n:>7} {resumed:>8} {astray:>7}\n"));
+        out.push_str(&format!(
+            "{class:<12} {ending:<28} {n:>7} {resumed:>8} {astray:>7}\n"
+        ));
     }
     out
 }
@@ -65,8 +79,21 @@ pub fn table(verdicts: &[Verdict]) -> String {
 #[test]
 fn the_laws_hold_in_six_hundred_random_disasters() {
     let (good, bad) = run(1, 600);
-    let told: Vec<String> = bad.iter().take(5).map(|(seed, why)| format!("seed {seed}: {why}")).collect();
-    assert!(bad.is_empty(), "{} of 600 cases; replay with `cargo run --release --example campaign -- --only SEED`\n{}", bad.len(), told.join("\n\n"));
+    let told: Vec<String> = bad
+        .iter()
+        .take(5)
+        .map(|(seed, why)| format!("seed {seed}: {why}"))
+        .collect();
+    assert!(
+        bad.is_empty(),
+        "{} of 600 cases; replay with `cargo run --release --example campaign -- --only SEED`\n{}",
+        bad.len(),
+        told.join("\n\n")
+    );
     assert_eq!(good.len(), 600);
-    assert!(good.iter().filter(|v| v.resumed).count() > 150, "{}", table(&good));
+    assert!(
+        good.iter().filter(|v| v.resumed).count() > 150,
+        "{}",
+        table(&good)
+    );
 }
