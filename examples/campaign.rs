@@ -36,7 +36,16 @@ fn main() -> ExitCode {
     let mut out = std::io::stdout().lock();
     if let Some(seed) = args.only {
         let (text, code) = match campaign::laws::case(seed, true) {
-            Ok(v) => (format!("{}\n{:?}: {} {}", v.log.join("\n"), v.class, v.ending, v.refused), ExitCode::SUCCESS),
+            Ok(v) => (
+                format!(
+                    "{}\n{:?}: {} {}",
+                    v.log.join("\n"),
+                    v.class,
+                    v.ending,
+                    v.refused
+                ),
+                ExitCode::SUCCESS,
+            ),
             Err(why) => (why, ExitCode::from(1)),
         };
         let _ = writeln!(out, "{text}");
@@ -49,10 +58,17 @@ fn main() -> ExitCode {
     let _ = writeln!(
         out,
         "seed {}: {} cases, {} broke a law; {hours:.1} h of machine time in {:.1} s",
-        args.seed, args.jobs, bad.len(), began.elapsed().as_secs_f64()
+        args.seed,
+        args.jobs,
+        bad.len(),
+        began.elapsed().as_secs_f64()
     );
     for (seed, why) in bad.iter().take(args.show) {
         let _ = writeln!(out, "\nseed {seed}: {why}");
     }
-    if bad.is_empty() { ExitCode::SUCCESS } else { ExitCode::from(1) }
+    if bad.is_empty() {
+        ExitCode::SUCCESS
+    } else {
+        ExitCode::from(1)
+    }
 }

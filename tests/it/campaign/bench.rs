@@ -5,7 +5,10 @@ use super::jobs::{Dice, ORIGINS, START, STEPS};
 use morsemill::controller::{Build, Controller, Faults, Memory, Quirks, Rig, RigOptions, Script};
 use morsemill::geom::Point;
 use morsemill::link::journal::{Begin, FORMAT, Keeper, Offsets, Start, fingerprint};
-use morsemill::link::{Command, Introduction, IntroductionOptions, Job, Known, Outcome, Progress, Session, SessionOptions};
+use morsemill::link::{
+    Command, Introduction, IntroductionOptions, Job, Known, Outcome, Progress, Session,
+    SessionOptions,
+};
 use morsemill::wire::{Lines, Reply};
 use std::collections::VecDeque;
 use std::sync::OnceLock;
@@ -38,8 +41,17 @@ fn prepare(which: usize) -> (Controller, Known) {
     m.set(21, f64::from(u8::from(which == 1)));
     m.set(20, f64::from(u8::from(which == 2)));
     m.places[..6].copy_from_slice(&ORIGINS);
-    let quirks = Quirks { door_pin: which == 3, ..Quirks::default() };
-    let c = Controller::with_build(m, Build { quirks, ..Build::default() });
+    let quirks = Quirks {
+        door_pin: which == 3,
+        ..Quirks::default()
+    };
+    let c = Controller::with_build(
+        m,
+        Build {
+            quirks,
+            ..Build::default()
+        },
+    );
     let c = standing_at(c, START);
     let known = introduce(&c);
     (c, known)
@@ -47,19 +59,32 @@ fn prepare(which: usize) -> (Controller, Known) {
 
 /// The operator homes it and drives it there; then it is reset.
 pub fn standing_at(mut c: Controller, place: [f64; 3]) -> Controller {
-    c.feed(format!("G53 G0 X{:.4} Y{:.4} Z{:.4}\n", place[0], place[1], place[2]).as_bytes());
+    c.feed(
+        format!(
+            "G53 G0 X{:.4} Y{:.4} Z{:.4}\n",
+            place[0], place[1], place[2]
+        )
+        .as_bytes(),
+    );
     c.advance(60.0);
     c.feed(b"\x18");
     c.advance(2.0);
     c.output();
-    assert!((c.position() - Point::from(place)).norm() < 0.004, "{:?}", c.position());
+    assert!(
+        (c.position() - Point::from(place)).norm() < 0.004,
+        "{:?}",
+        c.position()
+    );
     c
 }
 
 /// What the controller says of itself.
 pub fn introduce(controller: &Controller) -> Known {
     let mut c = controller.clone();
-    let (mut i, mut lines) = (Introduction::new(IntroductionOptions::default(), Duration::ZERO), Lines::default());
+    let (mut i, mut lines) = (
+        Introduction::new(IntroductionOptions::default(), Duration::ZERO),
+        Lines::default(),
+    );
     for ms in (0..20_000).step_by(5) {
         let now = Duration::from_millis(ms);
         i.tick(now);
@@ -148,7 +173,15 @@ pub struct Bench {
 }
 
 impl Bench {
-    pub fn new(controller: &Controller, known: &Known, job: Job, begin: Begin, schedule: Schedule, dice: Dice, trace: bool) -> Bench {
+    pub fn new(
+        controller: &Controller,
+        known: &Known,
+        job: Job,
+        begin: Begin,
+        schedule: Schedule,
+        dice: Dice,
+        trace: bool,
+    ) -> Bench {
         let mut dice = dice;
         let rig = Rig::new(
             controller.clone(),
@@ -159,7 +192,12 @@ impl Bench {
             },
         );
         let (keeper, journal) = Keeper::new(begin, &job).unwrap();
-        let mut session = Session::known(job, known.clone(), SessionOptions::default(), Duration::ZERO);
+        let mut session = Session::known(
+            job,
+            known.clone(),
+            SessionOptions::default(),
+            Duration::ZERO,
+        );
         session.allow_up_to(0);
         Bench {
             last: rig.controller().position(),
@@ -194,7 +232,11 @@ impl Bench {
     /// Lets time pass until then, or until something arrives.
     fn turn(&mut self, until: f64) {
         while self.rig.now() < until - 1e-9 && !self.rig.has_output() {
-            let next = self.rig.next_change().unwrap_or(until).clamp(self.rig.now(), until);
+            let next = self
+                .rig
+                .next_change()
+                .unwrap_or(until)
+                .clamp(self.rig.now(), until);
             self.rig.advance((next - self.rig.now()).max(1e-9));
             let restarts = self.rig.faults().tally().restarts;
             let at = self.rig.controller().position();
@@ -204,11 +246,17 @@ impl Bench {
                 self.last = at;
             } else if at != self.last {
                 self.last = at;
-                if restarts > 0 && !(self.schedule.class == Class::PowerCycle && at.coords.norm() == 0.0) {
+                if restarts > 0
+                    && !(self.schedule.class == Class::PowerCycle && at.coords.norm() == 0.0)
+                {
                     self.moved_after_restart = self.rig.now() - self.restarted_at;
                 } else if restarts == 0 {
                     let rapid = self.rig.controller().ran_rapid();
-                    self.spots.push(Spot { t: self.rig.now(), at, rapid });
+                    self.spots.push(Spot {
+                        t: self.rig.now(),
+                        at,
+                        rapid,
+                    });
                 }
             }
         }
@@ -260,11 +308,16 @@ impl Bench {
             }
             match news {
                 Progress::Note(text) if text.contains("close it, then resume") => {
-                    self.wishes.push_back((self.rig.now() + 1.0, Command::Resume));
+                    self.wishes
+                        .push_back((self.rig.now() + 1.0, Command::Resume));
                 }
                 Progress::Prompt(_) | Progress::Paused(_) => {
                     let at = self.rig.now() + 0.3 + self.dice.part();
-                    let place = self.wishes.iter().position(|w| w.0 > at).unwrap_or(self.wishes.len());
+                    let place = self
+                        .wishes
+                        .iter()
+                        .position(|w| w.0 > at)
+                        .unwrap_or(self.wishes.len());
                     self.wishes.insert(place, (at, Command::Resume));
                 }
                 Progress::Stopping(_) => self.hold_at = Some(self.rig.now()),
@@ -296,7 +349,11 @@ impl Bench {
             }
             None if self.schedule.kill.is_some() => {
                 // What was not flushed is lost, or torn.
-                let late = self.keeper.turn(at + Duration::from_secs(1), true).map(|t| t.bytes).unwrap_or_default();
+                let late = self
+                    .keeper
+                    .turn(at + Duration::from_secs(1), true)
+                    .map(|t| t.bytes)
+                    .unwrap_or_default();
                 let cut = self.dice.roll(late.len() + 1);
                 self.journal.extend(late.iter().take(cut));
             }
@@ -309,7 +366,11 @@ impl Bench {
             let now = self.rig.now();
             self.turn(now + 1.0);
             self.rig.output();
-            quiet = if self.spots.len() == before && !self.rig.is_moving() { quiet + 1.0 } else { 0.0 };
+            quiet = if self.spots.len() == before && !self.rig.is_moving() {
+                quiet + 1.0
+            } else {
+                0.0
+            };
             if now > 2.0 * FOREVER {
                 break;
             }

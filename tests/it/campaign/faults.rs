@@ -35,8 +35,21 @@ pub enum Class {
 
 impl Class {
     pub const ALL: [Class; 15] = [
-        Class::Sound, Class::Stop, Class::ResetNow, Class::Reset, Class::ResetAtLine, Class::PowerCycle, Class::Unplug, Class::Replug,
-        Class::LoseOk, Class::Limit, Class::SoftLimit, Class::DoorPin, Class::Refused, Class::Killed, Class::Noise,
+        Class::Sound,
+        Class::Stop,
+        Class::ResetNow,
+        Class::Reset,
+        Class::ResetAtLine,
+        Class::PowerCycle,
+        Class::Unplug,
+        Class::Replug,
+        Class::LoseOk,
+        Class::Limit,
+        Class::SoftLimit,
+        Class::DoorPin,
+        Class::Refused,
+        Class::Killed,
+        Class::Noise,
     ];
 
     /// Bytes of lines arrive as they were sent, each once, as long as they arrive.
@@ -56,7 +69,9 @@ impl Class {
             Class::Sound | Class::DoorPin => false,
             Class::Stop => *ending == Ending::Stopped,
             Class::ResetNow => matches!(ending, Ending::Stopped | Ending::Aborted),
-            Class::Reset | Class::ResetAtLine | Class::PowerCycle => *ending == Ending::ControllerReset,
+            Class::Reset | Class::ResetAtLine | Class::PowerCycle => {
+                *ending == Ending::ControllerReset
+            }
             Class::Unplug => matches!(ending, Ending::Silent { .. }),
             Class::LoseOk => matches!(ending, Ending::LostReply { .. }),
             Class::Limit => matches!(ending, Ending::Alarm { code: 1, .. }),
@@ -106,14 +121,30 @@ pub fn schedule(dice: &mut Dice, class: Class, duration: f64, lines: usize) -> S
         Class::Unplug => plan.deeds.push((When::At(at), Deed::Unplug)),
         Class::Replug => {
             plan.deeds.push((When::At(at), Deed::Unplug));
-            plan.deeds.push((When::At(at + 0.01 + 3.0 * dice.part()), Deed::Plug));
+            plan.deeds
+                .push((When::At(at + 0.01 + 3.0 * dice.part()), Deed::Plug));
         }
         Class::LoseOk => plan.lose_ok = 0.002 + 0.1 * dice.part() * dice.part(),
-        Class::Limit => script = format!("{at:.4}s limit {} on\n{:.4}s limit x off\n", ["x", "y", "z"][dice.roll(3)], at + 0.05),
-        Class::DoorPin => script = format!("{at:.4}s door on\n{:.4}s door off\n", at + 0.2 + 2.0 * dice.part()),
+        Class::Limit => {
+            script = format!(
+                "{at:.4}s limit {} on\n{:.4}s limit x off\n",
+                ["x", "y", "z"][dice.roll(3)],
+                at + 0.05
+            )
+        }
+        Class::DoorPin => {
+            script = format!(
+                "{at:.4}s door on\n{:.4}s door off\n",
+                at + 0.2 + 2.0 * dice.part()
+            )
+        }
         Class::Noise => {
             let rate = 0.0005 + 0.004 * dice.part() * dice.part();
-            let noise = Noise { drop: rate * dice.part(), duplicate: rate * dice.part(), flip: rate * dice.part() };
+            let noise = Noise {
+                drop: rate * dice.part(),
+                duplicate: rate * dice.part(),
+                flip: rate * dice.part(),
+            };
             (plan.to_controller, plan.to_host) = (noise, noise);
         }
         Class::Sound | Class::SoftLimit | Class::Refused | Class::Killed => {}

@@ -46,7 +46,14 @@ impl Dice {
 pub fn program(dice: &mut Dice, lines: usize, start: &State) -> String {
     let mut state = start.clone();
     let mut text = String::new();
-    let head = ["(a job)", "G21 G90 G17 G94", "M3 S8000", "G0 Z10", "G0 X0 Y0", "G1 Z1 F400"];
+    let head = [
+        "(a job)",
+        "G21 G90 G17 G94",
+        "M3 S8000",
+        "G0 Z10",
+        "G0 X0 Y0",
+        "G1 Z1 F400",
+    ];
     let mut wanted: Vec<String> = head.iter().rev().map(|s| s.to_string()).collect();
     let mut count = 0;
     while count < lines + head.len() {
@@ -82,7 +89,8 @@ pub fn program(dice: &mut Dice, lines: usize, start: &State) -> String {
 
 /// One line, or a run of short ones (last first).
 fn random_lines(dice: &mut Dice, state: &State) -> Vec<String> {
-    let plain = state.distance == gcode::Distance::Absolute && state.feed_mode == FeedMode::PerMinute;
+    let plain =
+        state.distance == gcode::Distance::Absolute && state.feed_mode == FeedMode::PerMinute;
     if plain && dice.roll(12) == 0 {
         // Short segments, as passes of a freeform part are.
         let unit = state.units.mm();
@@ -94,7 +102,12 @@ fn random_lines(dice: &mut Dice, state: &State) -> Vec<String> {
             p.x += step * angle.cos();
             p.y += step * angle.sin();
             p.z += 0.02 * (dice.part() - 0.5);
-            run.push(format!("G1X{:.4}Y{:.4}Z{:.4}F1500", p.x / unit, p.y / unit, p.z / unit));
+            run.push(format!(
+                "G1X{:.4}Y{:.4}Z{:.4}F1500",
+                p.x / unit,
+                p.y / unit,
+                p.z / unit
+            ));
         }
         run.reverse();
         return run;
@@ -108,7 +121,11 @@ fn random_line(dice: &mut Dice, state: &State) -> String {
     let axis = |dice: &mut Dice, letter: char, now: f64| {
         // A few millimetres from here, in whatever the words mean now.
         let by = dice.roll(800) as f64 / 100.0 - 4.0;
-        let to = if incremental { by } else { (now * 100.0).round() / 100.0 + by };
+        let to = if incremental {
+            by
+        } else {
+            (now * 100.0).round() / 100.0 + by
+        };
         format!("{letter}{:.4}", to / unit)
     };
     let p = state.position;
@@ -120,34 +137,67 @@ fn random_line(dice: &mut Dice, state: &State) -> String {
     match dice.roll(42) {
         0..=9 => format!("G1 {} {} {f}", axis(dice, 'X', p.x), axis(dice, 'Y', p.y)),
         10..=14 => format!("{} {} {f}", axis(dice, 'X', p.x), axis(dice, 'Y', p.y)),
-        15..=16 => format!("g1{}{}{}{f}", axis(dice, 'X', p.x), axis(dice, 'Y', p.y), axis(dice, 'Z', p.z)),
+        15..=16 => format!(
+            "g1{}{}{}{f}",
+            axis(dice, 'X', p.x),
+            axis(dice, 'Y', p.y),
+            axis(dice, 'Z', p.z)
+        ),
         17 => format!("G0 {} {}", axis(dice, 'X', p.x), axis(dice, 'Z', p.z)),
         18..=21 => {
             // An arc by its centre in the plane in force, often without its G word, now and then a helix.
             let [a, b, c] = state.plane.axes();
-            let (i, j) = (dice.roll(600) as f64 / 100.0 - 3.0, dice.roll(600) as f64 / 100.0 - 3.0);
+            let (i, j) = (
+                dice.roll(600) as f64 / 100.0 - 3.0,
+                dice.roll(600) as f64 / 100.0 - 3.0,
+            );
             let (sin, cos) = (dice.part() * 6.28).sin_cos();
             let (u, v) = (-i * cos + j * sin, -i * sin - j * cos);
-            let base = if incremental { [0.0, 0.0] } else { [p[a], p[b]] };
+            let base = if incremental {
+                [0.0, 0.0]
+            } else {
+                [p[a], p[b]]
+            };
             let names = ['X', 'Y', 'Z'];
             let centers = ['I', 'J', 'K'];
             let g = ["G2 ", "G3 ", "", ""][dice.roll(4)];
-            let climb = if dice.roll(3) == 0 { axis(dice, names[c], p[c]) } else { String::new() };
+            let climb = if dice.roll(3) == 0 {
+                axis(dice, names[c], p[c])
+            } else {
+                String::new()
+            };
             format!(
                 "{g}{}{:.5} {}{:.5} {climb} {}{:.5} {}{:.5} {f}",
-                names[a], (base[0] + i + u) / unit, names[b], (base[1] + j + v) / unit, centers[a], i / unit, centers[b], j / unit
+                names[a],
+                (base[0] + i + u) / unit,
+                names[b],
+                (base[1] + j + v) / unit,
+                centers[a],
+                i / unit,
+                centers[b],
+                j / unit
             )
         }
         22 => {
             let r = 3.0 + dice.roll(400) as f64 / 100.0;
-            format!("G{} {} {} R{:.4} {f}", 2 + dice.roll(2), axis(dice, 'X', p.x), axis(dice, 'Y', p.y), r / unit)
+            format!(
+                "G{} {} {} R{:.4} {f}",
+                2 + dice.roll(2),
+                axis(dice, 'X', p.x),
+                axis(dice, 'Y', p.y),
+                r / unit
+            )
         }
         23 => ["G20", "G21"][dice.roll(2)].to_string(),
         24 => ["G90", "G91", "G90"][dice.roll(3)].to_string(),
         25 => ["G93", "G94 F500", "G94 F900"][dice.roll(3)].to_string(),
         26 => ["G17", "G18", "G19", "G17"][dice.roll(4)].to_string(),
         27 => format!("G{}", 54 + dice.roll(6)),
-        28 => format!("G92 X{:.3} Z{:.3}", (dice.part() * 20.0 - 10.0) / unit, (p.z + 2.0 - dice.roll(4) as f64) / unit),
+        28 => format!(
+            "G92 X{:.3} Z{:.3}",
+            (dice.part() * 20.0 - 10.0) / unit,
+            (p.z + 2.0 - dice.roll(4) as f64) / unit
+        ),
         29 => ["G92.1", "G49", "G43.1 Z0.5"][dice.roll(3)].to_string(),
         30 => ["M3 S9000", "M4 S12000", "M5", "S7000"][dice.roll(4)].to_string(),
         31 => ["M8", "M9"][dice.roll(2)].to_string(),
@@ -156,14 +206,23 @@ fn random_line(dice: &mut Dice, state: &State) -> String {
         34 => format!("G53 G0 Z{:.3}", (-10.0 - dice.roll(10) as f64) / unit),
         35 => format!("T{} G1 {} {f}", dice.roll(5), axis(dice, 'X', p.x)),
         36 => format!("N{} G1 {} {f} (x)", dice.roll(999), axis(dice, 'Y', p.y)),
-        37 => format!("M{} S{} G1 {} {f}", 3 + dice.roll(2), 5000 + dice.roll(9) * 100, axis(dice, 'X', p.x)),
+        37 => format!(
+            "M{} S{} G1 {} {f}",
+            3 + dice.roll(2),
+            5000 + dice.roll(9) * 100,
+            axis(dice, 'X', p.x)
+        ),
         38 if dice.roll(3) == 0 => "M0 (look)".to_string(),
         39 if !incremental => {
             // As long as a line may be.
             let to = |now: f64, by: f64| (now + by) / unit;
             format!(
                 "N{:05}G1X{:.9}Y{:.9}Z{:.9}F{:.8}",
-                dice.roll(99_999), to(p.x, dice.part()), to(p.y, -dice.part()), to(p.z, dice.part() - 0.5), (400.0 + dice.part() * 900.0) / unit
+                dice.roll(99_999),
+                to(p.x, dice.part()),
+                to(p.y, -dice.part()),
+                to(p.z, dice.part() - 0.5),
+                (400.0 + dice.part() * 900.0) / unit
             )
         }
         _ => format!("{} {f}", axis(dice, 'Z', p.z)),
@@ -185,7 +244,11 @@ pub fn way(text: &str, start: &State) -> Vec<Corner> {
     let steps = |p: Point| p.map(|c| (c * STEPS).round() / STEPS);
     let mut state = start.clone();
     let mut at = steps(state.machine_position());
-    let mut corners = vec![Corner { to: at, line: 0, rapid: true }];
+    let mut corners = vec![Corner {
+        to: at,
+        line: 0,
+        rapid: true,
+    }];
     for (index, line) in text.lines().enumerate() {
         let mut events = Vec::new();
         if interpret_line(&mut state, &sent(line), index + 1, &mut events).is_err() {
@@ -197,7 +260,11 @@ pub fn way(text: &str, start: &State) -> Vec<Corner> {
             let mut go = |to: Point| {
                 let to = steps(to);
                 if to != at {
-                    corners.push(Corner { to, line: index + 1, rapid: m.kind == MotionKind::Rapid });
+                    corners.push(Corner {
+                        to,
+                        line: index + 1,
+                        rapid: m.kind == MotionKind::Rapid,
+                    });
                     at = to;
                 }
             };
