@@ -3,10 +3,11 @@
 use super::bench::{Bench, Ran, Spot, begin, introduce, machine, standing_at};
 use super::faults::{Class, Schedule, schedule};
 use super::jobs::{Corner, Dice, START, program, way};
+use super::material::{cuts_of, cuts_of_way, same_part};
 use morsemill::controller::FaultPlan;
 use morsemill::gcode::{State, interpret_line};
 use morsemill::geom::Point;
-use morsemill::link::journal::{fingerprint, read};
+use morsemill::link::journal::{Doubt, fingerprint, read};
 use morsemill::link::resume::{Now, Refusal, ResumeOptions, Trust, resume, zones};
 use morsemill::link::vet::{Limits, VetOptions, vet};
 use morsemill::link::{Ending, Job, Known, Text};
@@ -21,6 +22,8 @@ const STEP: f64 = 0.005;
 /// What a GRBL holds of answered lines: planner blocks and slices, each of another block at worst.
 const HELD: usize = 15 + 6;
 const RX: usize = 128;
+/// One in so many resumed cases has its part compared.
+const SAMPLE: usize = 10;
 
 /// What became of one case.
 #[derive(Clone, Debug)]
@@ -28,6 +31,8 @@ pub struct Verdict {
     pub class: Class,
     pub ending: String,
     pub resumed: bool,
+    /// The height maps were compared.
+    pub compared: bool,
     /// Why it was not taken up again.
     pub refused: String,
     /// Damaged bytes made another program of it.
@@ -175,10 +180,19 @@ pub fn case(seed: u64, trace: bool) -> Result<Verdict, String> {
             .as_ref()
             .map_or("killed".to_string(), |o| o.ending.key()),
         resumed: false,
+        compared: false,
         refused: String::new(),
         astray: false,
         virtual_s: ran.ended_at,
-        log: ran.log.clone(),
+        log: match trace {
+            true => text
+                .lines()
+                .enumerate()
+                .map(|(i, line)| format!("{:4} {line}", i + 1))
+                .chain(ran.log.iter().cloned())
+                .collect(),
+            false => Vec::new(),
+        },
     };
     let judged = judge(
         &text,
@@ -229,15 +243,21 @@ fn judge(
     };
     // (b) The way driven is the beginning of the program's.
     // A refused line is dropped whole, and what was behind it in the ring runs without it until the hold arrives.
-    let refused = match ran.outcome.as_ref().map(|o| &o.ending) {
-        Some(Ending::Refused { line, .. }) if *line > 0 => Some(*line),
-        _ => None,
-    };
-    let without = refused.map(|line| {
+    let history = read(&ran.journal[..]).map_err(|e| e.to_string())?;
+    let dropped: Vec<usize> = history
+        .doubts
+        .iter()
+        .filter_map(|d| match d {
+            Doubt::Refused { line, .. } if *line > 0 => Some(*line),
+            _ => None,
+        })
+        .collect();
+    let refused = dropped.iter().min().copied();
+    let without = refused.map(|_| {
         let lines: Vec<&str> = text
             .lines()
             .enumerate()
-            .map(|(i, l)| if i + 1 == line { "" } else { l })
+            .map(|(i, l)| if dropped.contains(&(i + 1)) { "" } else { l })
             .collect();
         way(&lines.join("\n"), start)
     });
@@ -318,7 +338,6 @@ fn judge(
         return Ok(());
     }
     // (c) The zones.
-    let history = read(&ran.journal[..]).map_err(|e| e.to_string())?;
     let Some(first_record) = &history.begin else {
         return Err("(c) the journal does not begin".to_string());
     };
@@ -528,5 +547,17 @@ fn again(
         return Err(format!("(d) resumed: {driven:.3} of {whole:.3} mm"));
     }
     verdict.resumed = true;
+    // Lines behind a refused one cut where they should not: that part is the operator's to judge.
+    if class != Class::Refused && dice.roll(SAMPLE) == 0 {
+        let start = |c: &[Corner]| c.first().map_or(Point::from(START), |c| c.to);
+        let mut pieced = cuts_of(start(corners), &ran.spots);
+        pieced.extend(cuts_of(start(&rest_way), &second.spots));
+        same_part(
+            &cuts_of_way(corners, false),
+            &cuts_of_way(corners, true),
+            &pieced,
+        )?;
+        verdict.compared = true;
+    }
     Ok(())
 }
