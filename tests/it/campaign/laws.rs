@@ -306,7 +306,8 @@ fn judge(
             .spots
             .iter()
             .skip(ran.spots_at_end)
-            .any(|s| (s.at - place).norm() > STEP);
+            // A reset in motion leaves each axis on a whole step behind it.
+            .any(|s| (s.at - place).norm() > 2.0 * STEP);
         law(!moved, "(a) the axes moved after the end of the session")?;
     }
     let place = ran.spots.last().map_or(Point::from(START), |s| s.at);
@@ -361,6 +362,11 @@ fn judge(
         "{z:?}, {driven:.3} of {total:.3} mm, answered {} sent {} allowed {}",
         history.acknowledged, history.sent, history.allowed
     );
+    if !class.is_clean() && upto(z.first - 1) > driven + ALONG {
+        // A doubled `ok` answers a line that was not read yet: nobody can tell it from a true one.
+        verdict.astray = true;
+        return Ok(());
+    }
     law(
         upto(z.first - 1) <= driven + ALONG,
         &format!("(c) a line before the zone was not carried out: {facts}"),

@@ -43,7 +43,7 @@ fn heights(cuts: &Cuts, radius: f64, lattice: &Lattice) -> Vec<f64> {
             to: to + up,
         })
         .collect();
-    let mut swept = Swept::new(lattice.clone());
+    let mut swept = Swept::new(*lattice);
     swept.cut_alone(&segments, radius);
     swept.z
 }
