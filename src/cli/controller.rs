@@ -9,8 +9,8 @@ use super::mill::StockArg;
 use super::output::say;
 use super::send::pace;
 use crate::controller::{
-    Build, Controller, FaultPlan, Faults, Guests, Memory, News, Pace, Pty, Quirks, Readout, Rig,
-    RigOptions, Script, Switches, Tcp,
+    Build, Controller, FaultPlan, Faults, Guests, Memory, News, Pace, Profile, Pty, Quirks,
+    Readout, Rig, RigOptions, Script, Switches, Tcp,
 };
 use crate::machine::{Machine, SettingsFile};
 use rehearse::Bench;
@@ -27,6 +27,9 @@ pub struct ControllerArgs {
     /// Machine: a built-in name or a TOML file
     #[arg(long, value_name = "NAME|FILE", default_value = crate::machine::DEFAULT_MACHINE)]
     pub machine: String,
+    /// The firmware it plays: grbl-1.1h, grbl-1.1f, grblhal or fluidnc (of the last two, what a sender must notice)
+    #[arg(long, value_name = "NAME", default_value = "grbl-1.1h", value_parser = super::args::parse::<Profile>)]
+    pub firmware: Profile,
     /// Serve on a pseudo-terminal, to be opened like a serial device; its path is printed
     #[arg(long, conflicts_with = "tcp")]
     pub pty: bool,
@@ -216,7 +219,11 @@ fn serve(args: &ControllerArgs, out: &mut dyn Write, stop: &AtomicBool) -> Resul
         Serving::Pty(_) => "open that path as a serial device",
         Serving::Tcp(_) => "connect to that address",
     };
-    say(&format!("GRBL 1.1h, {}: {how}; Ctrl-C ends", machine.title));
+    say(&format!(
+        "{}, {}: {how}; Ctrl-C ends",
+        args.firmware.name(),
+        machine.title
+    ));
     let mut listener = Listener {
         args,
         bench,
@@ -340,14 +347,17 @@ fn controller(
     }
     let build = Build {
         blocks: machine.planner_blocks,
-        rx_bytes: machine.rx_buffer,
+        rx_bytes: match args.firmware {
+            Profile::Grbl11h | Profile::Grbl11f => machine.rx_buffer,
+            other => other.rx_bytes(),
+        },
         // Only on a line that takes its time does anything arrive while the firmware writes.
         baud: timed.then_some(machine.baud),
         quirks: Quirks {
             door_pin,
             ..Quirks::default()
         },
-        ..Build::default()
+        ..Build::of_profile(args.firmware)
     };
     let switches = switches(&memory);
     let mut controller = Controller::with_build(memory, build);

@@ -74,7 +74,7 @@ enum Command {
     Settings(Box<settings::SettingsArgs>),
     /// Lines typed by hand to a controller
     Console(Box<console::ConsoleArgs>),
-    /// Serves a simulated GRBL controller on a pseudo-terminal
+    /// Serves a simulated GRBL controller on a pseudo-terminal or a TCP socket, or replays recordings of a real one
     Controller(Box<controller::ControllerArgs>),
     /// The serial ports of this computer, and which look like a GRBL board
     Ports(ports::PortsArgs),
