@@ -99,6 +99,21 @@ pub struct Schedule {
     pub takes: usize,
 }
 
+impl Schedule {
+    /// Nothing goes wrong and nobody wants anything.
+    pub fn quiet() -> Schedule {
+        Schedule {
+            class: Class::Sound,
+            plan: FaultPlan::default(),
+            script: String::new(),
+            wishes: Vec::new(),
+            kill: None,
+            refuse: None,
+            takes: usize::MAX,
+        }
+    }
+}
+
 /// A random one for a job that takes about `duration` seconds and has so many lines.
 pub fn schedule(dice: &mut Dice, class: Class, duration: f64, lines: usize) -> Schedule {
     let at = 0.2 + dice.part() * duration;

@@ -151,7 +151,8 @@ fn random_line(dice: &mut Dice, state: &State) -> String {
                 dice.roll(600) as f64 / 100.0 - 3.0,
                 dice.roll(600) as f64 / 100.0 - 3.0,
             );
-            let (sin, cos) = (dice.part() * std::f64::consts::TAU).sin_cos();
+            // Up to nearly a whole turn.
+            let (sin, cos) = (dice.part() * (628.0 / 100.0)).sin_cos();
             let (u, v) = (-i * cos + j * sin, -i * sin - j * cos);
             let base = if incremental {
                 [0.0, 0.0]

