@@ -24,6 +24,7 @@ pub mod resume;
 pub mod session;
 pub mod stream;
 pub mod vet;
+pub mod watch;
 
 pub use command::{Command, RapidStep, Step};
 pub use drive::{NotIntroduced, drive, introduce};

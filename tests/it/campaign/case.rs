@@ -21,6 +21,8 @@ pub struct Verdict {
     pub compared: bool,
     /// Damaged bytes made another program of it.
     pub astray: bool,
+    /// The path watch noticed it.
+    pub noticed: bool,
     /// Machine time, s.
     pub seconds: f64,
     /// What was said, if asked for.
@@ -84,10 +86,8 @@ pub fn case(seed: u64, trace: bool) -> Result<Verdict, String> {
     let class = Class::ALL[dice.roll(Class::ALL.len())];
     let (controller, known) = machine(class);
     let text = random_program(&mut dice, class, known);
-    let total = lengths(&way(&text, &known.start()))
-        .last()
-        .copied()
-        .unwrap_or(0.0);
+    let corners = way(&text, &known.start());
+    let total = lengths(&corners).last().copied().unwrap_or(0.0);
     let plan = schedule(&mut dice, class, total / 13.0, text.lines().count());
     let vetted = job(&text, known, Vec::new(), 1).map_err(|why| format!("{class:?}: {why}"))?;
     let mut lines = vetted.lines().map_err(|e| e.to_string())?;
@@ -104,6 +104,7 @@ pub fn case(seed: u64, trace: bool) -> Result<Verdict, String> {
         dice.clone(),
         trace,
     )
+    .watching(corners)
     .run();
     let mut verdict = Verdict {
         class,
@@ -114,6 +115,7 @@ pub fn case(seed: u64, trace: bool) -> Result<Verdict, String> {
         resumed: false,
         compared: false,
         astray: false,
+        noticed: ran.off_path.is_some(),
         seconds: ran.ended_at,
         log: Vec::new(),
     };

@@ -64,6 +64,13 @@ pub fn judge(case: &Case, verdict: &mut Verdict) -> Result<(), String> {
     law(case.class == Class::Noise || ran.bytes_lost == 0, || {
         "(f) the receive ring overflowed".to_string()
     })?;
+    // (b), as the host can see it: no false alarm.
+    let strange = ran
+        .off_path
+        .filter(|_| case.class.is_clean() && dropped.is_empty());
+    law(strange.is_none(), || {
+        format!("(b) the path watch is wrong: {strange:?}")
+    })?;
     let driven = match followed {
         Ok(way) => way,
         Err(_) if !case.class.is_clean() => {

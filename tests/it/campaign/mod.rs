@@ -56,7 +56,7 @@ pub fn run(campaign: u64, jobs: u64) -> (Vec<Verdict>, Vec<(u64, String)>) {
 
 /// Cases by class and ending.
 pub fn table(verdicts: &[Verdict]) -> String {
-    let mut rows: BTreeMap<(String, String), [usize; 4]> = BTreeMap::new();
+    let mut rows: BTreeMap<(String, String), [usize; 5]> = BTreeMap::new();
     for v in verdicts {
         let ending = v
             .ending
@@ -69,14 +69,15 @@ pub fn table(verdicts: &[Verdict]) -> String {
         row[1] += usize::from(v.resumed);
         row[2] += usize::from(v.compared);
         row[3] += usize::from(v.astray);
+        row[4] += usize::from(v.astray && v.noticed);
     }
     let mut out = format!(
-        "{:<12} {:<28} {:>7} {:>8} {:>8} {:>7}\n",
-        "fault", "ended", "cases", "resumed", "compared", "astray"
+        "{:<12} {:<28} {:>7} {:>8} {:>8} {:>7} {:>8}\n",
+        "fault", "ended", "cases", "resumed", "compared", "astray", "noticed"
     );
-    for ((class, ending), [n, resumed, compared, astray]) in rows {
+    for ((class, ending), [n, resumed, compared, astray, noticed]) in rows {
         out.push_str(&format!(
-            "{class:<12} {ending:<28} {n:>7} {resumed:>8} {compared:>8} {astray:>7}\n"
+            "{class:<12} {ending:<28} {n:>7} {resumed:>8} {compared:>8} {astray:>7} {noticed:>8}\n"
         ));
     }
     let hours = verdicts.iter().map(|v| v.seconds).sum::<f64>() / 3600.0;
