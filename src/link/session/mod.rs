@@ -107,6 +107,9 @@ pub struct Session {
     news: Vec<Progress>,
     asked: Option<Duration>,
     last_asked: Duration,
+    last_report: Duration,
+    /// From a question to its report, at most, as heard lately: what is reported sooner behind a command may be older than it.
+    latency: Duration,
     last_heard: Duration,
     last_tick: Duration,
     last_answer: Duration,
@@ -200,6 +203,8 @@ impl Session {
             news: Vec::new(),
             asked: None,
             last_asked: now,
+            last_report: now,
+            latency: Duration::ZERO,
             last_heard: now,
             last_tick: now,
             last_answer: now,
@@ -350,6 +355,11 @@ impl Session {
         }
         self.phase = phase;
         self.since = now;
+    }
+
+    /// Reports that come now were made behind what was sent `then`.
+    fn reports_know_of(&self, then: Duration, now: Duration) -> bool {
+        now.saturating_sub(then) >= self.latency * 5 / 4
     }
 
     fn state(&self) -> &State {

@@ -23,8 +23,9 @@ impl Session {
             self.report(status, now);
         }
         if let Reply::Status(status) = reply {
+            let streaming = self.phase == Phase::Streaming;
             self.place_told(status, now);
-            if self.off_reports > 0 && self.phase != Phase::Streaming {
+            if streaming && self.phase != Phase::Streaming {
                 // It began the stop, and so is older than the hold.
                 return;
             }
@@ -42,7 +43,7 @@ impl Session {
                 // Answers still count: the journal says how many lines the controller took. grblHAL answers every line behind an
                 // error with that error; only the first ended the job.
                 _ => match self.stream.receive(reply) {
-                    Receipt::Accepted(flight) => self.accepted(&flight),
+                    Receipt::Accepted(flight) => self.accepted(&flight, now),
                     Receipt::Refused { flight, code } => self.refused(&flight, code),
                     Receipt::Unasked | Receipt::Push => {}
                 },
@@ -65,9 +66,14 @@ impl Session {
     }
 
     fn report(&mut self, status: &Status, now: Duration) {
-        self.asked = None;
+        let took = self.asked.take().map(|t| now.saturating_sub(t));
+        self.latency = (self.latency * 15 / 16).max(took.unwrap_or_default());
+        self.last_report = now;
         let before = self.known.machine_position;
         self.known.hear(status);
+        if !self.places(status) {
+            self.known.machine_position = before;
+        }
         let moved = match (before, self.known.machine_position) {
             (Some(a), Some(b)) => (0..3).any(|i| (a[i] - b[i]).abs() > 1e-6),
             _ => true,
@@ -126,7 +132,7 @@ impl Session {
         match self.stream.receive(reply) {
             Receipt::Accepted(flight) => {
                 self.last_answer = now;
-                self.accepted(&flight);
+                self.accepted(&flight, now);
                 if flight.line.writes_memory {
                     self.quiet_until = now + MEMORY_PAUSE;
                 }
@@ -172,8 +178,8 @@ impl Session {
         }
     }
 
-    fn accepted(&mut self, flight: &Flight) {
-        self.is_past(&flight.line);
+    fn accepted(&mut self, flight: &Flight, now: Duration) {
+        self.is_past(&flight.line, now);
         if let Some(index) = flight.index {
             self.acknowledged = index + 1;
             self.last_source = flight.line.source;

@@ -117,7 +117,13 @@ impl Session {
                     Ok(None) => self.closing = Closing::Due,
                 }
             }
-            if let Some(next) = &self.next {
+            if let Some(next) = &mut self.next {
+                if next.line.text.starts_with('$') && !next.settled {
+                    // GRBL takes `$` lines only at standstill (error 8).
+                    next.settled = true;
+                    self.own.push_back(JobLine::settle().into());
+                    continue;
+                }
                 if self.index >= self.allowed || self.stream.verdict(&next.line).is_err() {
                     return;
                 }

@@ -12,10 +12,11 @@ use crate::kinematics::chords;
 use crate::link::job::{JobLine, JobLines, Unreadable};
 use crate::link::outcome::Ending;
 use crate::link::progress::PromptKind;
+use crate::link::stream::Flight;
 use crate::link::vet::Preparer;
 use crate::link::watch::{Watch, WatchOptions};
 use crate::units::Mm;
-use crate::wire::{Realtime, State, Status};
+use crate::wire::{Position, Realtime, State, Status};
 use std::time::Duration;
 
 /// So many reports in a row must lie off the way: one may itself have been damaged.
@@ -35,6 +36,8 @@ pub(super) struct Upcoming {
     pub way: Vec<Point>,
     /// Only the machine knows where it stands behind it.
     pub ends_anywhere: bool,
+    /// The machine was brought to rest for it.
+    pub settled: bool,
 }
 
 impl From<JobLine> for Upcoming {
@@ -44,6 +47,7 @@ impl From<JobLine> for Upcoming {
             line,
             way: Vec::new(),
             ends_anywhere: false,
+            settled: false,
         }
     }
 }
@@ -59,6 +63,8 @@ pub(super) enum Look {
     Now {
         /// The work zero may have changed too.
         zero: bool,
+        /// Since then.
+        since: Duration,
         /// Reports heard.
         reports: u32,
     },
@@ -116,6 +122,7 @@ impl Session {
                     line,
                     way: way(preparer.events(), &place, self.arc_tolerance()),
                     ends_anywhere: false,
+                    settled: false,
                 });
             }
         }
@@ -131,6 +138,7 @@ impl Session {
         Ok(lines.next_line()?.map(|line| Upcoming {
             way: way(lines.events(), &lines.state().machine_position(), tolerance),
             ends_anywhere: ends_anywhere(&line, lines),
+            settled: false,
             line,
         }))
     }
@@ -155,19 +163,24 @@ impl Session {
     }
 
     /// This line of the program was answered.
-    pub(super) fn is_past(&mut self, line: &JobLine) {
+    pub(super) fn is_past(&mut self, line: &JobLine, now: Duration) {
         if let Some(watch) = &mut self.watch {
             watch.answered(line.source);
         }
         // At a tool change the operator's resume comes first.
         if self.look == Look::Due && self.stream.is_empty() && line.prompt.is_none() {
-            self.look_now(false);
+            self.look_now(false, now);
         }
     }
 
     /// Where does the machine stand?
-    pub(super) fn look_now(&mut self, zero: bool) {
-        self.look = Look::Now { zero, reports: 0 };
+    pub(super) fn look_now(&mut self, zero: bool, now: Duration) {
+        let (since, reports) = (now, 0);
+        self.look = Look::Now {
+            zero,
+            since,
+            reports,
+        };
         self.off_reports = 0;
     }
 
@@ -176,10 +189,16 @@ impl Session {
         if self.phase != Phase::Streaming {
             return;
         }
-        let told = status.position.is_some();
+        let told = status.position.is_some() && self.places(status);
         match self.look {
-            Look::Now { zero, reports } => {
-                if status.state != State::Idle {
+            Look::Now {
+                zero,
+                since,
+                reports,
+            } => {
+                // What was answered is behind us in every report that follows; what an operator did is not.
+                let stale = zero && !self.reports_know_of(since, now);
+                if status.state != State::Idle || stale {
                     return;
                 }
                 let reports = reports + 1;
@@ -187,7 +206,11 @@ impl Session {
                 if all || reports >= OFFSET_REPORTS {
                     self.looked(zero);
                 } else {
-                    self.look = Look::Now { zero, reports };
+                    self.look = Look::Now {
+                        zero,
+                        since,
+                        reports,
+                    };
                 }
             }
             _ if !told || self.prompt_told => {}
@@ -197,6 +220,14 @@ impl Session {
             }
             _ => {}
         }
+    }
+
+    /// This report's position can be placed. GRBL takes on a new work offset before the motion ahead of it has ended, and reports work
+    /// positions ($10=0) by it, but names it only behind the line's answer.
+    pub(super) fn places(&self, status: &Status) -> bool {
+        let by_work = matches!(status.position, Some(Position::Work(_)));
+        let changes = |f: &Flight| f.line.weight.changes_frame;
+        !(by_work && status.work_offset.is_none() && self.stream.unanswered().any(changes))
     }
 
     fn looked(&mut self, zero: bool) {

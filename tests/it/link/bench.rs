@@ -3,9 +3,12 @@
 use super::cable::Cable;
 use morsemill::controller::{Controller, Memory};
 use morsemill::geom::Point;
+use morsemill::link::vet::{Limits, MemoryWriters};
 use morsemill::link::{
-    Command, Job, Known, Outcome, Progress, Session, SessionOptions, Text, VetOptions, vet,
+    Command, Introduction, IntroductionOptions, Job, Known, Outcome, Progress, Session,
+    SessionOptions, Text, VetOptions, vet,
 };
+use morsemill::wire::{Lines, Reply};
 use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::Duration;
@@ -67,6 +70,20 @@ impl Bench {
 
     pub fn plain(program: &str) -> Bench {
         Bench::with(program, VetOptions::default())
+    }
+
+    /// On this controller, checked by what it says of itself, over a cable of so many milliseconds each way.
+    pub fn on(controller: Controller, program: &str, delay: u64) -> Bench {
+        let mut known = introduced(controller.clone());
+        known.state = morsemill::wire::State::Idle;
+        let options = VetOptions {
+            memory_writers: MemoryWriters::Barrier,
+            limits: Limits::None,
+            ..VetOptions::of(&known, None)
+        };
+        let cable = Cable::new(vec![delay], vec![1000]);
+        let job = vet(Arc::new(Text(program.into())), options, &mut |_, _| {}).unwrap();
+        Bench::new(job, controller, cable.clone(), cable)
     }
 
     pub fn with(program: &str, options: VetOptions) -> Bench {
@@ -147,6 +164,22 @@ impl Bench {
         panic!("never heard of {word}: {:?}", self.news);
     }
 
+    /// Lets time pass until this holds.
+    pub fn until_it(&mut self, holds: impl Fn(&Bench) -> bool) {
+        for _ in 0..120_000 {
+            if holds(self) {
+                return;
+            }
+            self.tick();
+        }
+        panic!("it never came to that: {:?}", self.log);
+    }
+
+    /// The state reported last.
+    pub fn state(&self) -> String {
+        self.session.controller().state.text().to_string()
+    }
+
     pub fn ticks(&mut self, milliseconds: u64) {
         for _ in 0..milliseconds {
             self.tick();
@@ -165,7 +198,7 @@ impl Bench {
             }
             self.tick();
         }
-        panic!("no end after ten minutes: {:?}", self.session);
+        panic!("no end after ten minutes: {:?}", self.log);
     }
 
     pub fn heard(&self, word: &str) -> bool {
@@ -198,6 +231,25 @@ pub const SQUARE: &str = "G21 G90\nG0 X5 Y5\nG1 Z-1 F300\nG1 X15 F1500\nY15\nX5\
 /// The text of line `n` of a program, as it travels.
 pub fn line_of(program: &str, n: usize) -> String {
     program.lines().nth(n - 1).unwrap().replace(' ', "")
+}
+
+/// What a controller says of itself.
+pub fn introduced(mut controller: Controller) -> Known {
+    let mut introduction = Introduction::new(IntroductionOptions::default(), Duration::ZERO);
+    let mut lines = Lines::default();
+    for ms in 0..20_000 {
+        let now = Duration::from_millis(ms);
+        introduction.tick(now);
+        controller.feed(&introduction.output());
+        controller.advance(0.001);
+        for line in lines.feed(&controller.output()) {
+            introduction.receive(&Reply::parse(&line), now);
+        }
+        if let Some(result) = introduction.result() {
+            return result.unwrap().clone();
+        }
+    }
+    panic!("no introduction");
 }
 
 /// What a stock controller says of itself, for sessions whose far side is played by hand.

@@ -9,5 +9,7 @@ mod faults;
 mod jobs;
 mod operator;
 mod stalls;
+mod stops;
 mod terminal;
 mod throughput;
+mod watch;
