@@ -108,8 +108,6 @@ pub struct Session {
     asked: Option<Duration>,
     last_asked: Duration,
     last_report: Duration,
-    /// From a question to its report, at most, as heard lately: what is reported sooner behind a command may be older than it.
-    latency: Duration,
     last_heard: Duration,
     last_tick: Duration,
     last_answer: Duration,
@@ -204,7 +202,6 @@ impl Session {
             asked: None,
             last_asked: now,
             last_report: now,
-            latency: Duration::ZERO,
             last_heard: now,
             last_tick: now,
             last_answer: now,
@@ -359,7 +356,7 @@ impl Session {
 
     /// Reports that come now were made behind what was sent `then`.
     fn reports_know_of(&self, then: Duration, now: Duration) -> bool {
-        now.saturating_sub(then) >= self.latency * 5 / 4
+        now.saturating_sub(then) >= self.known.round_trip * 5 / 4
     }
 
     fn state(&self) -> &State {

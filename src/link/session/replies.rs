@@ -66,9 +66,7 @@ impl Session {
     }
 
     fn report(&mut self, status: &Status, now: Duration) {
-        let took = self.asked.take().map(|t| now.saturating_sub(t));
-        self.latency = (self.latency * 15 / 16).max(took.unwrap_or_default());
-        self.last_report = now;
+        (self.asked, self.last_report) = (None, now);
         let before = self.known.machine_position;
         self.known.hear(status);
         if !self.places(status) {

@@ -60,7 +60,7 @@ impl Session {
             }
             Phase::Stopping { .. } => {
                 let quiet = now.saturating_sub(self.last_heard.max(self.since));
-                if quiet > STOP_SILENCE + self.latency * 2 {
+                if quiet > STOP_SILENCE + self.known.round_trip * 2 {
                     self.note("no report that the machine is at rest: reset anyway, the position is not certain");
                     self.position_kept = false;
                     return self.reset(now);
@@ -73,7 +73,7 @@ impl Session {
                 return;
             }
             Phase::Resetting { again } => {
-                if now.saturating_sub(self.since) > RESET_WAIT + self.latency * 2 {
+                if now.saturating_sub(self.since) > RESET_WAIT + self.known.round_trip * 2 {
                     if again {
                         self.note("no greeting after the reset: switch the controller off before touching the machine");
                         self.position_kept = false;
@@ -86,7 +86,7 @@ impl Session {
                 return;
             }
             Phase::LastLook => {
-                if now.saturating_sub(self.since) > LAST_LOOK + self.latency * 2 {
+                if now.saturating_sub(self.since) > LAST_LOOK + self.known.round_trip * 2 {
                     return self.enter(Phase::Ended, now);
                 }
             }
@@ -129,10 +129,10 @@ impl Session {
             _ => self.options.poll / 2,
         };
         let overdue = self.asked.is_some()
-            && now.saturating_sub(self.last_asked) > ASK_AGAIN.max(self.latency * 2);
+            && now.saturating_sub(self.last_asked) > ASK_AGAIN.max(self.known.round_trip * 2);
         if overdue || (self.asked.is_none() && now.saturating_sub(self.last_asked) >= pause) {
             self.realtime(Realtime::Status);
-            self.asked.get_or_insert(now);
+            self.asked = Some(now);
             self.last_asked = now;
         }
     }

@@ -261,8 +261,13 @@ pub fn stock() -> Known {
 
 /// A session with lines under way and a far side that says what it is told to, once per 100 ms.
 pub fn told(says: &str, seconds: u64) -> (Session, Vec<Progress>) {
+    told_by(stock(), says, seconds)
+}
+
+/// The same from a controller that introduced itself like this.
+pub fn told_by(known: Known, says: &str, seconds: u64) -> (Session, Vec<Progress>) {
     let job = Job::vet("G1X1F100\nG1X2\nG1X3\nG1X4\nG1X5\nG1X6\n").unwrap();
-    let mut session = Session::known(job, stock(), SessionOptions::default(), Duration::ZERO);
+    let mut session = Session::known(job, known, SessionOptions::default(), Duration::ZERO);
     let mut news = Vec::new();
     for ms in (0..seconds * 1000).step_by(100) {
         let now = Duration::from_millis(ms);

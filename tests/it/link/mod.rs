@@ -5,9 +5,13 @@
 mod bench;
 mod cable;
 
+mod answers;
 mod faults;
+mod firmwares;
+mod hands;
 mod jobs;
 mod operator;
+mod programs;
 mod stalls;
 mod stops;
 mod terminal;

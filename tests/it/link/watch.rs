@@ -157,7 +157,13 @@ fn behind_a_probe_the_way_goes_on_from_where_it_touched() {
     let program = "G21 G90 G17 G94 G54\nG38.2 Z40 F200\nG92 Z1\nG1 Z3 F600\nX2\nG91\nX1 Z1\nG90\nG92.1\nG0 Z58\nM30\n";
     let mut bench = Bench::on(controller, program, 5);
     let outcome = bench.finish();
-    assert_eq!(outcome.ending, Ending::Done, "{} {:?}", outcome.ending, bench.log);
+    assert_eq!(
+        outcome.ending,
+        Ending::Done,
+        "{} {:?}",
+        outcome.ending,
+        bench.log
+    );
     // Nothing was read behind the probe before its place was known.
     let probed = bench
         .log
@@ -191,7 +197,13 @@ fn behind_a_tool_change_the_way_goes_on_from_where_the_operator_left_it() {
     }
     bench.command(Command::Resume);
     let outcome = bench.finish();
-    assert_eq!(outcome.ending, Ending::Done, "{} {:?}", outcome.ending, bench.log);
+    assert_eq!(
+        outcome.ending,
+        Ending::Done,
+        "{} {:?}",
+        outcome.ending,
+        bench.log
+    );
     assert!(
         bench.heard("mm from where the tool was changed"),
         "{:?}",
@@ -235,7 +247,13 @@ fn a_setting_that_changes_what_a_step_is_worth_is_looked_at() {
     let program = "G21 G90 G54 G94 G17\nG1 X5 F600\n$100=300\nG1 X4\nX6\nM30\n";
     let mut bench = Bench::on(Controller::new(memory()), program, 5);
     let outcome = bench.finish();
-    assert_eq!(outcome.ending, Ending::Done, "{} {:?}", outcome.ending, bench.log);
+    assert_eq!(
+        outcome.ending,
+        Ending::Done,
+        "{} {:?}",
+        outcome.ending,
+        bench.log
+    );
 }
 
 #[test]
