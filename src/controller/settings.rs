@@ -187,11 +187,14 @@ impl Memory {
 
     /// Gives the stored offsets and places to the parser.
     pub(super) fn recall(&self, parser: &mut Parser) {
+        let machine = parser.machine_position();
         for (origin, place) in parser.g5x.iter_mut().zip(&self.places) {
             *origin = Vector::from(*place);
         }
         let [.., g28, g30] = self.places;
         (parser.g28, parser.g30) = (Point::from(g28), Point::from(g30));
+        // Other origins move no axis.
+        parser.set_machine_position(&machine);
     }
 
     /// Back to the defaults (`$RST=$`).

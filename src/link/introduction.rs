@@ -104,6 +104,8 @@ pub struct Known {
     pub homed: Option<bool>,
     /// Questions that were refused, with the N of `error:N`.
     pub refused: Vec<(&'static str, u16)>,
+    /// The longest time from one of the questions to the first line of its answer: how old news from the controller may be.
+    pub round_trip: Duration,
 }
 
 impl Known {
@@ -124,6 +126,7 @@ impl Known {
             work_offset: None,
             homed: None,
             refused: Vec::new(),
+            round_trip: Duration::ZERO,
         }
     }
 
@@ -358,6 +361,13 @@ impl Introduction {
     /// Takes in a reply at time `now`.
     pub fn receive(&mut self, reply: &Reply, now: Duration) {
         self.last_heard = now;
+        if matches!(self.phase, Phase::Questions(_))
+            && !matches!(reply, Reply::Status(_))
+            && let Some(asked) = self.asked.take()
+        {
+            let took = now.saturating_sub(asked);
+            self.known.round_trip = self.known.round_trip.max(took);
+        }
         if matches!(self.phase, Phase::Ended(_)) {
             return;
         }
@@ -471,6 +481,7 @@ impl Introduction {
                 self.out.extend_from_slice(text.as_bytes());
                 self.out.push(b'\n');
                 self.enter(Phase::Questions(index), now);
+                self.asked = Some(now);
             }
             None => {
                 // The reports so far were read before `$13` was known: begin afresh.

@@ -10,10 +10,8 @@ use std::time::Duration;
 /// A step of an override may be followed by the next after this time even if no report has shown it: repeats are merged by the
 /// firmware only until its main loop has looked.
 const STEP: Duration = Duration::from_millis(50);
-/// A resume that shows no effect is sent again after this time.
-const RESUME_AGAIN: Duration = Duration::from_millis(500);
-/// A hold that shows no effect is sent again after this time.
-const HOLD_AGAIN: Duration = Duration::from_millis(500);
+/// A hold or a resume that shows no effect is sent again after this time, or what the cable needs.
+const AGAIN: Duration = Duration::from_millis(500);
 /// Override steps kept waiting: more is a stuck key.
 const MOST_STEPS: usize = 64;
 
@@ -144,7 +142,8 @@ impl Session {
             self.go_on(now);
         } else if self.tool_change().is_some() {
             (self.waiting, self.prompt_told) = (None, false);
-            self.restore_modes();
+            // The modes are brought back once a report has told where the operator left the machine.
+            self.look_now(true, now);
             self.news.push(Progress::Resumed);
         } else {
             self.note("nothing is on hold: there is nothing to resume");
@@ -174,12 +173,23 @@ impl Session {
                 self.realtime(Realtime::Resume);
                 self.resume = Some(Resume::Sent(now));
             }
-            Some(Resume::Sent(since)) if at_rest && now.saturating_sub(since) >= RESUME_AGAIN => {
-                self.realtime(Realtime::Resume);
-                self.resume = Some(Resume::Sent(now));
+            // Only a report that knows of it tells that it was lost.
+            Some(Resume::Sent(since)) if at_rest && self.shows(since, self.last_report) => {
+                if self.prompt_under_way().is_some() {
+                    // The machine may have gone on, and rests at the program's own stop by now: that one is the operator's.
+                    (self.resume, self.hold_asked, self.pause_told) = (None, false, false);
+                } else {
+                    self.realtime(Realtime::Resume);
+                    self.resume = Some(Resume::Sent(now));
+                }
             }
             _ => {}
         }
+    }
+
+    /// What was sent `then` had its time to show in a report that came at `seen`.
+    fn shows(&self, then: Duration, seen: Duration) -> bool {
+        seen.saturating_sub(then) >= AGAIN && self.reports_know_of(then, seen)
     }
 
     /// What a report's state says about holds: one we did not ask for is told once, a resume ends when the machine goes on.
@@ -189,7 +199,7 @@ impl Session {
             let sent = matches!(self.resume, Some(Resume::Sent(_)));
             // Once a hold was told, a report without one means that somebody else resumed; before that, it is merely older than the
             // hold, unless it has had its time: then the hold was lost, or was left by a resume wished for twice.
-            let overdue = now.saturating_sub(self.last_hold_sent) > HOLD_AGAIN;
+            let overdue = self.shows(self.last_hold_sent, now);
             if sent || self.pause_told || (overdue && self.resume.is_some()) {
                 (self.hold_asked, self.pause_told, self.resume) = (false, false, None);
                 self.spindle_stopped = false;

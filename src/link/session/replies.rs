@@ -22,6 +22,14 @@ impl Session {
         if let Reply::Status(status) = reply {
             self.report(status, now);
         }
+        if let Reply::Status(status) = reply {
+            let streaming = self.phase == Phase::Streaming;
+            self.place_told(status, now);
+            if streaming && self.phase != Phase::Streaming {
+                // It began the stop, and so is older than the hold.
+                return;
+            }
+        }
         match self.phase.clone() {
             Phase::Streaming => self.while_streaming(reply, now),
             Phase::Stopping { quiet_reports } => match reply {
@@ -35,7 +43,7 @@ impl Session {
                 // Answers still count: the journal says how many lines the controller took. grblHAL answers every line behind an
                 // error with that error; only the first ended the job.
                 _ => match self.stream.receive(reply) {
-                    Receipt::Accepted(flight) => self.accepted(&flight),
+                    Receipt::Accepted(flight) => self.accepted(&flight, now),
                     Receipt::Refused { flight, code } => self.refused(&flight, code),
                     Receipt::Unasked | Receipt::Push => {}
                 },
@@ -58,9 +66,12 @@ impl Session {
     }
 
     fn report(&mut self, status: &Status, now: Duration) {
-        self.asked = None;
+        (self.asked, self.last_report) = (None, now);
         let before = self.known.machine_position;
         self.known.hear(status);
+        if !self.places(status) {
+            self.known.machine_position = before;
+        }
         let moved = match (before, self.known.machine_position) {
             (Some(a), Some(b)) => (0..3).any(|i| (a[i] - b[i]).abs() > 1e-6),
             _ => true,
@@ -119,7 +130,7 @@ impl Session {
         match self.stream.receive(reply) {
             Receipt::Accepted(flight) => {
                 self.last_answer = now;
-                self.accepted(&flight);
+                self.accepted(&flight, now);
                 if flight.line.writes_memory {
                     self.quiet_until = now + MEMORY_PAUSE;
                 }
@@ -165,7 +176,8 @@ impl Session {
         }
     }
 
-    fn accepted(&mut self, flight: &Flight) {
+    fn accepted(&mut self, flight: &Flight, now: Duration) {
+        self.is_past(&flight.line, now);
         if let Some(index) = flight.index {
             self.acknowledged = index + 1;
             self.last_source = flight.line.source;
@@ -190,9 +202,17 @@ impl Session {
 
     fn finish(&mut self, now: Duration) {
         if let Some(reported) = self.known.work_position() {
-            let end = self.job.end;
-            let expected: [f64; 3] = std::array::from_fn(|i| end[i].unwrap_or(reported[i]));
-            if (0..3).any(|i| (expected[i] - reported[i]).abs() > self.options.end_tolerance) {
+            let by_text = self.job.end;
+            let expected: [f64; 3] = self
+                .end_of_way()
+                .unwrap_or_else(|| std::array::from_fn(|i| by_text[i].unwrap_or(reported[i])));
+            let beside = |i: usize| {
+                // The machine stands on a whole step.
+                let steps = self.known.setting(100 + i as u16).filter(|s| *s > 0.0);
+                let half = steps.map_or(0.0, |s| 0.5 / s);
+                (expected[i] - reported[i]).abs() > self.options.end_tolerance + half
+            };
+            if (0..3).any(beside) {
                 self.ending = Ending::Elsewhere { expected, reported };
             }
             self.enter(Phase::Ended, now);

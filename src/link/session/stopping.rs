@@ -30,7 +30,10 @@ impl Session {
     }
 
     pub(super) fn coming_to_rest(&mut self, state: &State, quiet_reports: u32, now: Duration) {
-        // One Idle may be older than our hold; two in a row are not. `Hold:0` says it all.
+        // A report older than our hold says nothing. One Idle may be; two in a row are not. `Hold:0` says it all.
+        if !self.reports_know_of(self.since, now) {
+            return;
+        }
         let quiet_reports = if state.at_rest() {
             quiet_reports + 1
         } else {

@@ -1,5 +1,6 @@
 //! Time passes: what is sent, what is asked, and who keeps silent.
 
+use super::watching::Look;
 use super::{Phase, Session};
 use crate::link::outcome::Ending;
 use crate::link::progress::{Progress, Stall};
@@ -12,6 +13,8 @@ const SILENCE: Duration = Duration::from_secs(4);
 const STOP_SILENCE: Duration = Duration::from_secs(2);
 /// GRBL is deaf for half a second after an alarm and may swallow a reset sent then.
 const ALARM_DEAF: Duration = Duration::from_millis(700);
+/// A question that was not answered for this long is asked again.
+const ASK_AGAIN: Duration = Duration::from_secs(1);
 /// A reset answers with a greeting within this time, or it is sent once more.
 const RESET_WAIT: Duration = Duration::from_millis(1500);
 /// Patience for the last position report.
@@ -56,7 +59,8 @@ impl Session {
                 }
             }
             Phase::Stopping { .. } => {
-                if now.saturating_sub(self.last_heard.max(self.since)) > STOP_SILENCE {
+                let quiet = now.saturating_sub(self.last_heard.max(self.since));
+                if quiet > STOP_SILENCE + self.known.round_trip * 2 {
                     self.note("no report that the machine is at rest: reset anyway, the position is not certain");
                     self.position_kept = false;
                     return self.reset(now);
@@ -69,7 +73,7 @@ impl Session {
                 return;
             }
             Phase::Resetting { again } => {
-                if now.saturating_sub(self.since) > RESET_WAIT {
+                if now.saturating_sub(self.since) > RESET_WAIT + self.known.round_trip * 2 {
                     if again {
                         self.note("no greeting after the reset: switch the controller off before touching the machine");
                         self.position_kept = false;
@@ -82,7 +86,7 @@ impl Session {
                 return;
             }
             Phase::LastLook => {
-                if now.saturating_sub(self.since) > LAST_LOOK {
+                if now.saturating_sub(self.since) > LAST_LOOK + self.known.round_trip * 2 {
                     return self.enter(Phase::Ended, now);
                 }
             }
@@ -121,12 +125,11 @@ impl Session {
         }
         // While stopping we want to know soon; 10 Hz is what the firmware takes without harm.
         let pause = match self.phase {
-            Phase::Streaming => self.options.poll,
+            Phase::Streaming if !matches!(self.look, Look::Now { .. }) => self.options.poll,
             _ => self.options.poll / 2,
         };
-        let overdue = self
-            .asked
-            .is_some_and(|t| now.saturating_sub(t) > Duration::from_secs(1));
+        let overdue = self.asked.is_some()
+            && now.saturating_sub(self.last_asked) > ASK_AGAIN.max(self.known.round_trip * 2);
         if overdue || (self.asked.is_none() && now.saturating_sub(self.last_asked) >= pause) {
             self.realtime(Realtime::Status);
             self.asked = Some(now);
