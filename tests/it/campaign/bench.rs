@@ -1,7 +1,8 @@
 //! Both ends of the cable with a journal between them, from event to event in virtual time.
 
 use super::faults::{Class, Schedule};
-use super::jobs::{Corner, Dice, ORIGINS, START, STEPS};
+use super::jobs::{Corner, ORIGINS, START, STEPS};
+use crate::chance::Chance;
 use morsemill::controller::{Build, Controller, Faults, Memory, Quirks, Rig, RigOptions, Script};
 use morsemill::geom::Point;
 use morsemill::link::journal::{Begin, FORMAT, Keeper, Offsets, Start, fingerprint};
@@ -170,7 +171,7 @@ pub struct Bench {
     moved_after_restart: f64,
     restarted_at: f64,
     hold_at: Option<f64>,
-    dice: Dice,
+    dice: Chance,
     pieces: usize,
     log: Option<Vec<String>>,
     /// The way of the program, and how much of it was sent.
@@ -187,7 +188,7 @@ impl Bench {
         job: Job,
         begin: Begin,
         schedule: Schedule,
-        dice: Dice,
+        dice: Chance,
         trace: bool,
     ) -> Bench {
         let mut dice = dice;
