@@ -4,6 +4,7 @@
 
 mod breaks;
 mod entry;
+mod process;
 mod sender;
 mod trust;
 mod zoned;
