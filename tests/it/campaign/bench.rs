@@ -1,12 +1,11 @@
 //! Both ends of the cable with a journal between them, from event to event in virtual time.
 
 use super::faults::{Class, Schedule};
-use super::jobs::{Corner, ORIGINS, START, STEPS};
+use super::jobs::{ORIGINS, START, STEPS};
 use crate::chance::Chance;
 use morsemill::controller::{Build, Controller, Faults, Memory, Quirks, Rig, RigOptions, Script};
 use morsemill::geom::Point;
 use morsemill::link::journal::{Begin, FORMAT, Keeper, Offsets, Start, fingerprint};
-use morsemill::link::watch::{OffPath, Watch, WatchOptions};
 use morsemill::link::{
     Command, Introduction, IntroductionOptions, Job, Known, Outcome, Progress, Session,
     SessionOptions,
@@ -154,8 +153,6 @@ pub struct Ran {
     /// The machine stands in a hold or at a door.
     pub held_at_end: bool,
     pub log: Vec<String>,
-    /// When a report lay beside the way of the program, and how.
-    pub off_path: Option<(f64, OffPath)>,
 }
 
 pub struct Bench {
@@ -174,11 +171,6 @@ pub struct Bench {
     dice: Chance,
     pieces: usize,
     log: Option<Vec<String>>,
-    /// The way of the program, and how much of it was sent.
-    corners: Vec<Corner>,
-    watched: usize,
-    watch: Watch,
-    off_path: Option<(f64, OffPath)>,
 }
 
 impl Bench {
@@ -224,42 +216,6 @@ impl Bench {
             dice,
             pieces: 0,
             log: trace.then(Vec::new),
-            corners: Vec::new(),
-            watched: 1,
-            watch: Watch::new(controller.position(), WatchOptions::default()),
-            off_path: None,
-        }
-    }
-
-    /// Compares each report with the way of the program.
-    pub fn watching(mut self, corners: Vec<Corner>) -> Bench {
-        self.corners = corners;
-        self
-    }
-
-    fn watch(&mut self, news: &Progress) {
-        match news {
-            Progress::Sent(span) => {
-                while let Some(corner) = self
-                    .corners
-                    .get(self.watched)
-                    .filter(|c| c.line <= span.source)
-                {
-                    self.watch.sent(corner.line, [corner.to]);
-                    self.watched += 1;
-                }
-            }
-            Progress::Acknowledged(span) => self.watch.answered(span.source),
-            Progress::Report(report) if self.off_path.is_none() && self.hold_at.is_none() => {
-                if let Some(place) = report.machine_position
-                    && !self.corners.is_empty()
-                    && let Err(e) = self.watch.report(Point::from(place))
-                {
-                    self.off_path = Some((self.rig.now(), e));
-                    self.say(|| e.to_string());
-                }
-            }
-            _ => {}
         }
     }
 
@@ -347,7 +303,6 @@ impl Bench {
         }
         for news in self.session.news() {
             self.keeper.hear(&news, now);
-            self.watch(&news);
             match &news {
                 Progress::Report(_) => {}
                 other => self.say(|| format!("   {other:?}")),
@@ -440,7 +395,6 @@ impl Bench {
             restarted: self.restarts > 0,
             held_at_end,
             log: self.log.unwrap_or_default(),
-            off_path: self.off_path,
         }
     }
 }

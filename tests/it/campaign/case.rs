@@ -8,7 +8,7 @@ use super::laws::judge;
 use crate::chance::Chance;
 use morsemill::gcode::interpret_line;
 use morsemill::link::vet::{Limits, VetOptions, vet};
-use morsemill::link::{Job, Known, Text};
+use morsemill::link::{Ending, Job, Known, Text};
 use std::sync::Arc;
 
 /// What became of one case.
@@ -22,7 +22,7 @@ pub struct Verdict {
     pub compared: bool,
     /// Damaged bytes made another program of it.
     pub astray: bool,
-    /// The path watch noticed it.
+    /// The path watch ended it.
     pub noticed: bool,
     /// Machine time, s.
     pub seconds: f64,
@@ -105,7 +105,6 @@ pub fn case(seed: u64, trace: bool) -> Result<Verdict, String> {
         dice.clone(),
         trace,
     )
-    .watching(corners)
     .run();
     let mut verdict = Verdict {
         class,
@@ -116,7 +115,10 @@ pub fn case(seed: u64, trace: bool) -> Result<Verdict, String> {
         resumed: false,
         compared: false,
         astray: false,
-        noticed: ran.off_path.is_some(),
+        noticed: matches!(
+            ran.outcome.as_ref().map(|o| &o.ending),
+            Some(Ending::OffPath(_))
+        ),
         seconds: ran.ended_at,
         log: Vec::new(),
     };
