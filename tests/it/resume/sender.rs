@@ -229,7 +229,7 @@ impl Sender {
             how: "broken".into(),
             done: false,
             position_kept: kept,
-            at_rest,
+            at_rest, cable_sound: true
         };
         self.writer.note(end, self.now());
         let bytes = self.writer.take();

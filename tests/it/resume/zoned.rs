@@ -66,3 +66,55 @@ fn a_job_can_break_again_while_it_is_resumed() {
     let second = resume(text, &sha, &killed, &here(ON_PATH), &operator()).unwrap();
     assert!(second.entry.line <= plan.entry.line);
 }
+
+#[test]
+fn an_answer_too_many_is_seen_by_the_place() {
+    let mut text = String::from("G21 G90\nG0 X0 Y0 Z1\nG1 Z0 F500\n");
+    for i in 1..200 {
+        text.push_str(&format!("X{i}\n"));
+    }
+    // Line n leads to X(n - 3); the middle zone begins 21 lines before the last answer.
+    let seen = |x: f64, behind: Option<usize>, cable_sound: bool| {
+        let mut records = vec![
+            Record::Sent { line: 110 },
+            Record::Acknowledged { line: 100 },
+            Record::Report {
+                state: "Run".into(),
+                machine: [-100.0 + x, -90.0, -60.0],
+                work_offset: None,
+            },
+        ];
+        records.extend(behind.map(|line| Record::Acknowledged { line }));
+        records.push(Record::End {
+            how: "stopped".into(),
+            done: false,
+            position_kept: true,
+            at_rest: true,
+            cable_sound,
+        });
+        let h = history_of(&text, &records);
+        zones(&text, taken(&h), &h, None).unwrap()
+    };
+    let counted = 101 - HELD;
+    assert_eq!(seen(90.5, None, true).first, counted);
+    assert_eq!(seen(counted as f64 - 3.5, None, true).first, counted);
+    assert_eq!(seen(counted as f64 - 4.5, None, true).first, counted - 1);
+    assert_eq!(seen(50.5, None, true).first, 54);
+    // Seen before more was answered, it may have gone on since.
+    assert_eq!(seen(counted as f64 - 3.5, Some(105), true).first, counted + 5);
+    assert_eq!(seen(counted as f64 - 4.5, Some(105), true).first, counted - 1);
+    // Beside the way it says nothing of lines.
+    assert_eq!(seen(-20.0, None, true).first, counted);
+    assert_eq!(seen(90.5, None, false).first, counted);
+}
+
+#[test]
+fn half_a_line_of_a_killed_sender_does_not_run() {
+    for half in ["G0X-9", "G1X-1F500", "$H", "$X", "$1", "", "G0(no"] {
+        let mut c = super::controller();
+        c.feed(half.as_bytes());
+        let before = c.position();
+        let known = crate::campaign::bench::introduce(&c);
+        assert_eq!(known.machine_position.map(Into::into), Some(before), "{half}");
+    }
+}
