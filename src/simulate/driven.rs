@@ -2,7 +2,8 @@
 //!
 //! A move whose spindle stands is judged as a rapid: neither can cut.
 
-use super::dry_run::{DryRunOptions, PartContext, blank, judge};
+use super::dry_run::{DryRunOptions, PartContext, blank};
+use super::judge::judge;
 use super::material::Move;
 use super::report::{Kind, Problem, ProgramFigures};
 use crate::geom::{Point, Vector};

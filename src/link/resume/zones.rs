@@ -2,8 +2,10 @@
 
 use super::blocks::Counter;
 use super::refusal::Refusal;
-use super::walk::{Program, sent};
+use super::text::ProgramText;
+use super::walk::{Program, sent, unreadable};
 use crate::gcode::Event;
+use crate::gcode::source::Source;
 use crate::link::journal::{Begin, Damage, Doubt, History, SYNC_GAP};
 use std::collections::VecDeque;
 
@@ -47,12 +49,13 @@ fn is_grbl(begin: &Begin) -> bool {
 ///
 /// # Errors
 /// The program cannot be read (then it is not the one that was sent), or nothing was sent.
-pub fn zones(
-    text: &str,
+pub fn zones<T: ProgramText + ?Sized>(
+    text: &T,
     begin: &Begin,
     history: &History,
     boot: Option<&str>,
 ) -> Result<Zones, Refusal> {
+    let text: &dyn ProgramText = &text;
     let entry = begin.resumed.map_or(1, |r| r.entry);
     let sent = history.sent.max(history.acknowledged);
     let mut last = match (&history.end, &history.damage) {
@@ -66,7 +69,7 @@ pub fn zones(
     let crashed = history.end.is_none();
     let same_boot = boot.is_some() && begin.boot.as_deref() == boot;
     if crashed && (!same_boot || matches!(history.damage, Damage::Zeros { .. })) {
-        last = behind_the_gap(text, begin, last);
+        last = behind_the_gap(text, begin, last)?;
     }
     let first = surely_cut(text, begin, history)?
         .min(history.acknowledged)
@@ -93,24 +96,29 @@ fn refused(history: &History) -> usize {
 }
 
 /// The last line that may have been sent while the disk was behind.
-fn behind_the_gap(text: &str, begin: &Begin, last: usize) -> usize {
+fn behind_the_gap(text: &dyn ProgramText, begin: &Begin, last: usize) -> Result<usize, Refusal> {
     let mut bytes = begin.bytes_per_s.max(0.0) * SYNC_GAP + 2.0 * begin.rx_bytes as f64;
     let mut end = last;
-    for (index, line) in crate::gcode::lines(text).enumerate().skip(last) {
-        let significant = sent(line, begin.skips_slashed).content.len();
+    let unread = |e: std::io::Error| Refusal::Unreadable(unreadable(last, e.kind()));
+    let mut lines = text.from_start().and_then(Source::new).map_err(unread)?;
+    while let Some((line, text)) = lines.read().map_err(unread)? {
+        if line <= last {
+            continue;
+        }
+        let significant = sent(text, begin.skips_slashed).content.len();
         if significant > 0 {
             bytes -= significant as f64 + 1.0;
         }
-        end = index + 1;
+        end = line;
         if bytes < 0.0 {
             break;
         }
     }
-    end
+    Ok(end)
 }
 
 /// The first line, up to the last one answered, of which something may be queued still; the line behind it when nothing can be.
-fn surely_cut(text: &str, begin: &Begin, history: &History) -> Result<usize, Refusal> {
+fn surely_cut(text: &dyn ProgramText, begin: &Begin, history: &History) -> Result<usize, Refusal> {
     let counter = Counter::new(begin);
     let held = held(begin);
     let entry = begin.resumed.map_or(1, |r| r.entry);
