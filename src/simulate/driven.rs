@@ -5,6 +5,7 @@
 use super::dry_run::{DryRunOptions, PartContext, blank};
 use super::judge::judge;
 use super::material::Move;
+use super::moves::Moves;
 use super::report::{Kind, Problem, ProgramFigures};
 use crate::geom::{Point, Vector};
 use crate::sweep::{FinishStats, Segment};
@@ -70,7 +71,7 @@ pub fn judge_driven(
         });
     }
     let mut report = blank(ProgramFigures::default());
-    judge(&moves, part, options, &mut report);
+    judge(&Moves::Held(&moves), part, options, &mut report);
     let problems = report
         .problems
         .into_iter()

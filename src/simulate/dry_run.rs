@@ -3,6 +3,7 @@
 use super::judge::judge;
 use super::material;
 use super::missing::Missing;
+use super::moves::{MOST_HELD, Moves};
 use super::program::{Open, in_memory};
 use super::report::{
     DryRun, Extents, Kind, MotionFigures, Problem, ProgramFigures, TimeFigures, Verdict,
@@ -108,8 +109,9 @@ pub fn dry_run_of(
 ) -> DryRun {
     let radius = part.map_or(0.0, |p| p.drop.radius());
     let mut moves = Vec::new();
+    // Of a program with too many for the memory none are kept: they are read again, as few at once as will do.
     let keep = &mut |told: Told| match told {
-        Told::Move(m) if part.is_some() => moves.push(m),
+        Told::Move(m) if part.is_some() && moves.len() <= MOST_HELD => moves.push(m),
         Told::Move(_) => {}
         Told::Afresh => moves.clear(),
     };
@@ -127,7 +129,15 @@ pub fn dry_run_of(
         if let Some(demand) = timing.demand {
             feeding(demand, machine, &mut report);
         }
-        run(&timing, shape, &moves, part, options, &mut report);
+        let again = |hear: &mut dyn FnMut(&material::Move)| shape.again(program, radius, hear);
+        let moves = match moves.len() <= MOST_HELD {
+            true => Moves::Held(&moves),
+            false => {
+                drop(std::mem::take(&mut moves));
+                Moves::Read(&again)
+            }
+        };
+        run(&timing, &shape, &moves, part, options, &mut report);
     } else {
         report
             .problems
@@ -166,16 +176,16 @@ pub(super) fn blank(program: ProgramFigures) -> DryRun {
 
 fn run(
     timing: &Timing,
-    shape: Shape,
-    moves: &[material::Move],
+    shape: &Shape,
+    moves: &Moves,
     part: Option<&PartContext>,
     options: &DryRunOptions,
     report: &mut DryRun,
 ) {
-    let Shape { limits, seen, .. } = shape;
+    let limits = &shape.limits;
     report.extents = limits.extents;
-    report.problems.extend(limits.problems);
-    report.warnings.extend(limits.warnings);
+    report.problems.extend_from_slice(&limits.problems);
+    report.warnings.extend_from_slice(&limits.warnings);
 
     let times = &timing.times;
     report.time_s = TimeFigures {
@@ -191,7 +201,7 @@ fn run(
         bytes: report.program.bytes,
         ..shape.figures
     };
-    if !seen.anything {
+    if !shape.seen.anything {
         report.problems.push(Problem {
             kind: Kind::Nothing,
             line: None,
@@ -217,8 +227,8 @@ fn run(
     let missing = Missing {
         part: part.is_some(),
         machine_moves: limits.machine_moves,
-        assumed: shape.assumed,
-        seen,
+        assumed: shape.start.assumed,
+        seen: shape.seen,
         end: &timing.end,
     };
     missing.say(&mut report.not_modelled);

@@ -1,44 +1,43 @@
 //! What is left of the stock, against what was asked for.
 
 use super::dry_run::{DryRunOptions, PartContext};
+use super::moves::{MOST_HELD, Moves};
 use super::report::{DryRun, Kind, Problem};
 use super::{gouge, material};
 use crate::sweep::tiles::area;
-use crate::sweep::{CuspMap, FinishOptions, FinishStats, Paths, Segment, finish_tiles};
+use crate::sweep::{CuspMap, FinishOptions, FinishStats, Judging, Paths};
 
 /// Problems of one kind that are listed one by one.
 const LISTED: usize = 20;
 
 /// Cuts moves into the stock and looks at what is left.
 pub(super) fn judge(
-    moves: &[material::Move],
+    moves: &Moves,
     part: &PartContext,
     options: &DryRunOptions,
     report: &mut DryRun,
 ) {
     let radius = part.drop.radius();
     let tiles = part.reachable;
-    let which = tiles.touched(moves.iter().map(|m| &m.segment));
-    let feed: Vec<Segment> = moves
-        .iter()
-        .filter(|m| !m.rapid)
-        .map(|m| m.segment)
-        .collect();
-    let paths = Paths::new(&feed, 0.25 * radius, area(tiles.lattice()));
-    drop(feed);
-    let (judged, collisions) = finish_tiles(
-        tiles,
-        &paths,
-        &FinishOptions::for_scallop(options.scallop_mm),
-        |k, reach| {
+    let mut judging = Judging::new(tiles, &FinishOptions::for_scallop(options.scallop_mm));
+    let room = judging.room();
+    let mut collisions = Vec::new();
+    let mut held = Vec::new();
+    for group in moves.groups(tiles, room, MOST_HELD) {
+        let moves = moves.near(tiles, room, &group, &mut held);
+        let which = tiles.touched(moves.iter().map(|m| &m.segment));
+        let feed = moves.iter().filter(|m| !m.rapid).map(|m| m.segment);
+        let paths = Paths::new(feed, 0.25 * radius, area(tiles.lattice()));
+        let found = judging.look(group, &paths, |k, reach| {
             let stock = material::stock(part, reach, &options.stock);
             let which = which.get(k).map_or(&[][..], Vec::as_slice);
             let limit = options.collision_limit_mm;
             material::cut(moves, which, reach.lattice, radius, &stock, limit)
-        },
-    );
-    drop(paths);
-    let collisions = material::deepest_per_line(collisions.into_iter().flatten().collect());
+        });
+        collisions.extend(found.into_iter().flatten());
+    }
+    drop(held);
+    let collisions = material::deepest_per_line(collisions);
     for c in collisions.iter().take(LISTED) {
         let p = c.encounter.place;
         report.problems.push(Problem {
@@ -58,7 +57,7 @@ pub(super) fn judge(
         });
     }
 
-    let (map, mut stats): (CuspMap, FinishStats) = match judged {
+    let (map, mut stats): (CuspMap, FinishStats) = match judging.finish() {
         Ok(f) => (f.map, f.stats),
         Err(e) => {
             report.problems.push(Problem {

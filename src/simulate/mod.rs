@@ -23,6 +23,7 @@ mod judge;
 mod limits;
 mod material;
 mod missing;
+mod moves;
 mod program;
 pub mod report;
 mod shape;

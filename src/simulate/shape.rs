@@ -19,8 +19,26 @@ pub struct Shape {
     pub moves: usize,
     /// What is in the program.
     pub seen: Seen,
-    /// X, Y, Z is not told before the first cut: zero is assumed.
-    pub assumed: [bool; 3],
+    /// Where it was read from.
+    pub start: Start,
+}
+
+impl Shape {
+    /// The moves again.
+    pub fn again(&self, open: &Open, radius: f64, hear: &mut dyn FnMut(&Move)) {
+        let mut way = Way::new(radius);
+        let mut places = Places::default();
+        let from = self.start.state.clone();
+        if let Ok(mut program) =
+            open().and_then(|text| Interpreter::from_state(text, from, READING))
+        {
+            program.tell_all(&mut |event| {
+                if let Some(followed) = &places.follow(event) {
+                    way.motion(followed, &mut |m| hear(&m));
+                }
+            });
+        }
+    }
 }
 
 /// Things that a program may hold.
@@ -79,7 +97,8 @@ fn pass(
     let mut way = Way::new(radius);
     let mut seen = Seen::default();
     let mut places = Places::default();
-    let program = open().and_then(|text| Interpreter::from_state(text, from.state, READING));
+    let state = from.state.clone();
+    let program = open().and_then(|text| Interpreter::from_state(text, state, READING));
     let sound = program.is_ok_and(|mut program| {
         let errors = program.tell_all(&mut |event| {
             seen.event(event);
@@ -96,7 +115,7 @@ fn pass(
         figures: way.figures,
         moves: way.moves,
         seen,
-        assumed: from.assumed,
+        start: from,
     };
     if sound { Ok(shape) } else { Err(shape) }
 }

@@ -33,6 +33,7 @@ mod looks;
 mod machines;
 mod recordings;
 mod resume;
+mod settings;
 
 mod own_files;
 mod refusals;
