@@ -2,8 +2,10 @@
 //!
 //! A move whose spindle stands is judged as a rapid: neither can cut.
 
-use super::dry_run::{DryRunOptions, PartContext, blank, judge};
+use super::dry_run::{DryRunOptions, PartContext, blank};
+use super::judge::judge;
 use super::material::Move;
+use super::moves::Moves;
 use super::report::{Kind, Problem, ProgramFigures};
 use crate::geom::{Point, Vector};
 use crate::sweep::{FinishStats, Segment};
@@ -69,7 +71,7 @@ pub fn judge_driven(
         });
     }
     let mut report = blank(ProgramFigures::default());
-    judge(&moves, part, options, &mut report);
+    judge(&Moves::Held(&moves), part, options, &mut report);
     let problems = report
         .problems
         .into_iter()

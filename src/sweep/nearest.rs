@@ -9,6 +9,7 @@
 use crate::geom::{Point, Point2};
 use crate::sweep::Segment;
 use crate::sweep::buckets::Buckets;
+use std::borrow::Borrow;
 
 /// Segments of ball centres sorted into square buckets in plan. Work coordinates, mm.
 #[derive(Clone, Debug)]
@@ -23,11 +24,15 @@ impl Paths {
     /// Sorts segments; non-finite ones are left out. `size` is the side of a bucket, mm: a few times the spacing of passes.
     /// `asked` is the area (two corners) that holds all places that will be asked about: buckets are spent on it alone, however
     /// far a program wanders.
-    pub fn new(segments: &[Segment], size: f64, asked: (Point2, Point2)) -> Paths {
+    pub fn new<S: Borrow<Segment>>(
+        segments: impl IntoIterator<Item = S>,
+        size: f64,
+        asked: (Point2, Point2),
+    ) -> Paths {
         let segments: Vec<Segment> = segments
-            .iter()
+            .into_iter()
+            .map(|s| *s.borrow())
             .filter(|s| s.from.iter().chain(s.to.iter()).all(|v| v.is_finite()))
-            .copied()
             .collect();
         let mut min = Point2::new(f64::INFINITY, f64::INFINITY);
         let mut max = Point2::new(f64::NEG_INFINITY, f64::NEG_INFINITY);

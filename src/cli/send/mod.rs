@@ -13,15 +13,15 @@ mod keys;
 pub mod resume;
 mod screen;
 
-use super::check::read_program;
 use super::output::{say, write_json};
+use super::program_file::ProgramFile;
 use crate::controller::{Controller, Pace, Pty};
 use crate::kinematics::Settings;
 use crate::link::journal::{JournalFile, Keeper};
 use crate::link::vet::{VetOptions, vet};
 use crate::link::{
     Ending, Introduction, IntroductionOptions, Job, JobError, Known, NotIntroduced, Outcome,
-    Session, SessionOptions, Text, introduce, port,
+    Session, SessionOptions, introduce, port,
 };
 use crate::machine::Machine;
 use board::Board;
@@ -153,7 +153,7 @@ fn send(args: &SendArgs, out: &mut dyn Write) -> Result<u8, Failure> {
         )));
     }
     let name = args.program.display();
-    let text = read_program(&args.program).map_err(cannot)?;
+    let program = ProgramFile::open(&args.program).map_err(cannot)?;
     let settings = Settings::from(&machine);
     let refused = |errors: Vec<JobError>| {
         let list: Vec<String> = errors.iter().map(|e| format!("{name}:{e}")).collect();
@@ -162,11 +162,11 @@ fn send(args: &SendArgs, out: &mut dyn Write) -> Result<u8, Failure> {
             message: format!("the program cannot be sent:\n{}", list.join("\n")),
         }
     };
-    let source = Arc::new(Text(text.as_str().into()));
-    let mut timer = Timer::new(settings);
+    let source = Arc::new(program.clone());
+    let mut timer = Timer::new(&settings);
     // What is wrong with it whatever the machine is told before a port is opened: opening restarts most boards.
-    let rough = vet(source.clone(), VetOptions::default(), &mut |line, event| {
-        timer.hear(line.source, event)
+    let rough = vet(source.clone(), VetOptions::default(), &mut |_, event| {
+        timer.hear(event)
     })
     .map_err(refused)?;
     let times = timer.finish();
@@ -216,7 +216,7 @@ fn send(args: &SendArgs, out: &mut dyn Write) -> Result<u8, Failure> {
             },
             _ => cannot(e),
         })?;
-    let plan = Plan::make(args, &machine, &text, &known)?;
+    let plan = Plan::make(args, &machine, &program, rough.source_lines, &known)?;
     let job = match plan.job {
         Some(job) => job,
         None => vet(
@@ -274,13 +274,15 @@ impl Plan {
     fn make(
         args: &SendArgs,
         machine: &Machine,
-        text: &str,
+        program: &ProgramFile,
+        lines: usize,
         known: &Known,
     ) -> Result<Plan, Failure> {
         let subject = Subject {
             path: &args.program,
-            bytes: text.as_bytes(),
-            text,
+            program,
+            sha256: &program.fingerprint().map_err(cannot)?,
+            lines,
             machine,
             known,
             skips_slashed: false,

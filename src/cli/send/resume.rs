@@ -5,13 +5,14 @@
 //! never overwritten: `send` asks for `--resume` or `--discard-journal`.
 
 use crate::cli::Failure;
+use crate::cli::program_file::ProgramFile;
 use crate::gcode::Dialect;
-use crate::link::journal::{Begin, Damage, FORMAT, History, JournalFile, Offsets, Start, fingerprint, read};
+use crate::link::journal::{Begin, Damage, FORMAT, History, JournalFile, Offsets, Start, read};
 use crate::link::resume::{Now, Overlap, Plan, ResumeOptions, Trust, from_line, resume};
 use crate::link::vet::{self, VetOptions};
-use crate::link::{Job, Known, Text};
+use crate::link::{Job, Known};
 use crate::machine::Machine;
-use crate::simulate::{DryRunOptions, Kind, Stock, dry_run};
+use crate::simulate::{DryRunOptions, Kind, Stock, dry_run_of};
 use std::fmt::Write as _;
 use std::io::{self, BufRead as _, BufReader, IsTerminal as _};
 use std::path::{Path, PathBuf};
@@ -212,10 +213,12 @@ pub fn make_room(path: &Path, discard: bool) -> Result<(), Failure> {
 pub struct Subject<'a> {
     /// Path of the program, as given.
     pub path: &'a Path,
-    /// Its bytes.
-    pub bytes: &'a [u8],
-    /// The same as text.
-    pub text: &'a str,
+    /// The program itself.
+    pub program: &'a ProgramFile,
+    /// SHA-256 of its bytes.
+    pub sha256: &'a str,
+    /// Its lines.
+    pub lines: usize,
     /// The machine.
     pub machine: &'a Machine,
     /// What the controller says of itself.
@@ -246,9 +249,8 @@ impl Subject<'_> {
         Begin {
             format: FORMAT,
             program: self.path.display().to_string(),
-            sha256: fingerprint(self.bytes),
-            lines: crate::gcode::lines(self.text.strip_prefix('\u{feff}').unwrap_or(self.text))
-                .count(),
+            sha256: self.sha256.to_string(),
+            lines: self.lines,
             machine: self.machine.name.clone(),
             firmware: known.version.clone(),
             dialect: known.dialect().name().to_string(),
@@ -278,7 +280,7 @@ impl Subject<'_> {
         };
         if let Some(line) = args.from_line {
             let options = args.options();
-            return from_line(self.text, line, self.skips_slashed, &now, &options)
+            return from_line(self.program, line, self.skips_slashed, &now, &options)
                 .map_err(rejected);
         }
         let path = journal_path(self.path, args.journal.as_deref());
@@ -295,14 +297,7 @@ impl Subject<'_> {
             }
         };
         notes.extend(damage(&history));
-        resume(
-            self.text,
-            &fingerprint(self.bytes),
-            &history,
-            &now,
-            &args.options(),
-        )
-        .map_err(rejected)
+        resume(self.program, self.sha256, &history, &now, &args.options()).map_err(rejected)
     }
 
     /// Simulates a plan: vets what will be sent, way in included, by the controller's own limits, and runs the resumed program dry on the
@@ -328,7 +323,7 @@ impl Subject<'_> {
             },
             ..VetOptions::of(self.known, Some(travel))
         };
-        let source = Arc::new(Text(self.text.into()));
+        let source = Arc::new(self.program.clone());
         let job = vet::vet(source, options, &mut |_, _| {}).map_err(|errors| {
             let list: Vec<String> = errors
                 .iter()
@@ -341,8 +336,8 @@ impl Subject<'_> {
         })?;
         let dialect: Dialect = self.known.dialect();
         let judged = DryRunOptions::new(0.02, Stock::Allowance(0.0));
-        let run = dry_run(
-            &plan.program(self.text),
+        let run = dry_run_of(
+            &|| plan.reader(self.program),
             dialect,
             self.machine,
             None,

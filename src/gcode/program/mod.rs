@@ -235,6 +235,25 @@ impl<R: BufRead + Seek> Interpreter<R> {
         errors
     }
 
+    /// Reads on until the program is over and tells each event as it comes: all its mistakes, none if it is sound. Events told before a
+    /// mistake are those of a program that is not to be run.
+    pub fn tell_all(&mut self, hear: &mut dyn FnMut(&Event)) -> Vec<InterpretError> {
+        let mut errors = Vec::new();
+        let mut events = std::mem::take(&mut self.events);
+        events.drain(..self.handed);
+        self.handed = 0;
+        loop {
+            events.iter().for_each(&mut *hear);
+            events.clear();
+            if self.over {
+                return errors;
+            }
+            if let Err(e) = self.line(&mut events) {
+                errors.extend(self.report(e));
+            }
+        }
+    }
+
     /// Reads one line.
     fn line(&mut self, events: &mut Vec<Event>) -> Result<(), InterpretError> {
         let here = self.source.place();

@@ -1,7 +1,8 @@
 //! Is this the same program on the same machine, and does the machine stand where its controller believes it stands?
 
 use super::refusal::Refusal;
-use super::walk::{Program, Walk};
+use super::text::ProgramText;
+use super::walk::{Program, Walk, lines};
 use super::zones::Zones;
 use crate::gcode::State;
 use crate::geom::{Point, Vector, nearest_on_segment};
@@ -126,9 +127,13 @@ pub(super) const NEAR: f64 = 0.05;
 const SAME: f64 = 0.002;
 
 /// The program is the one in the journal.
-pub(super) fn program(text: &str, bytes_sha256: &str, begin: &Begin) -> Result<(), Refusal> {
+pub(super) fn program(
+    text: &dyn ProgramText,
+    bytes_sha256: &str,
+    begin: &Begin,
+) -> Result<(), Refusal> {
     let changed = |what: String| Err(Refusal::ProgramChanged { what });
-    let lines = crate::gcode::lines(text.strip_prefix('\u{feff}').unwrap_or(text)).count();
+    let lines = lines(text)?;
     if lines != begin.lines {
         return changed(format!("{lines} lines now, {} then", begin.lines));
     }
@@ -190,7 +195,7 @@ pub(super) fn ready(now: &Now) -> Result<[f64; 3], Refusal> {
 
 /// The position may be trusted, and why.
 pub(super) fn position(
-    text: &str,
+    text: &dyn ProgramText,
     begin: &Begin,
     history: &History,
     zones: &Zones,
@@ -243,7 +248,7 @@ pub(super) fn position(
 /// rest; otherwise from the ends of those lines that can have been the last to arrive, since the machine did all it had. (An alarm that
 /// nobody saw stops it between two ends.)
 fn from_path(
-    text: &str,
+    text: &dyn ProgramText,
     begin: &Begin,
     history: &History,
     zones: &Zones,
@@ -296,7 +301,7 @@ pub(super) fn near_way(walk: &Walk, place: &Point) -> f64 {
 
 /// The stored offsets are those that the job had where it broke, or the operator answers for them; how far each work zero was moved since.
 pub(super) fn offsets(
-    text: &str,
+    text: &dyn ProgramText,
     begin: &Begin,
     history: &History,
     zones: &Zones,

@@ -3,8 +3,10 @@
 use super::blocks::Counter;
 use super::check::{NEAR, near_way};
 use super::refusal::Refusal;
-use super::walk::{Program, sent};
+use super::text::ProgramText;
+use super::walk::{Program, sent, unreadable};
 use crate::gcode::Event;
+use crate::gcode::source::Source;
 use crate::geom::Point;
 use crate::link::journal::{Begin, Damage, Doubt, History, SYNC_GAP};
 use std::collections::VecDeque;
@@ -49,12 +51,13 @@ fn is_grbl(begin: &Begin) -> bool {
 ///
 /// # Errors
 /// The program cannot be read (then it is not the one that was sent), or nothing was sent.
-pub fn zones(
-    text: &str,
+pub fn zones<T: ProgramText + ?Sized>(
+    text: &T,
     begin: &Begin,
     history: &History,
     boot: Option<&str>,
 ) -> Result<Zones, Refusal> {
+    let text: &dyn ProgramText = &text;
     let entry = begin.resumed.map_or(1, |r| r.entry);
     let sent = history.sent.max(history.acknowledged);
     let mut last = match (&history.end, &history.damage) {
@@ -68,7 +71,7 @@ pub fn zones(
     let crashed = history.end.is_none();
     let same_boot = boot.is_some() && begin.boot.as_deref() == boot;
     if crashed && (!same_boot || matches!(history.damage, Damage::Zeros { .. })) {
-        last = behind_the_gap(text, begin, last);
+        last = behind_the_gap(text, begin, last)?;
     }
     let counted = surely_cut(text, begin, history, history.acknowledged)?;
     let last = last
@@ -95,20 +98,25 @@ fn refused(history: &History) -> usize {
 }
 
 /// The last line that may have been sent while the disk was behind.
-fn behind_the_gap(text: &str, begin: &Begin, last: usize) -> usize {
+fn behind_the_gap(text: &dyn ProgramText, begin: &Begin, last: usize) -> Result<usize, Refusal> {
     let mut bytes = begin.bytes_per_s.max(0.0) * SYNC_GAP + 2.0 * begin.rx_bytes as f64;
     let mut end = last;
-    for (index, line) in crate::gcode::lines(text).enumerate().skip(last) {
-        let significant = sent(line, begin.skips_slashed).content.len();
+    let unread = |e: std::io::Error| Refusal::Unreadable(unreadable(last, e.kind()));
+    let mut lines = text.from_start().and_then(Source::new).map_err(unread)?;
+    while let Some((line, text)) = lines.read().map_err(unread)? {
+        if line <= last {
+            continue;
+        }
+        let significant = sent(text, begin.skips_slashed).content.len();
         if significant > 0 {
             bytes -= significant as f64 + 1.0;
         }
-        end = index + 1;
+        end = line;
         if bytes < 0.0 {
             break;
         }
     }
-    end
+    Ok(end)
 }
 
 /// The first line that may not have been cut by `counted` answers, corrected by where the machine was seen last: bytes that a cable makes
@@ -116,7 +124,7 @@ fn behind_the_gap(text: &str, begin: &Begin, last: usize) -> usize {
 /// line from `counted` on, but on that of an earlier one, belongs to the last such line; where the cable is known to be bad, to the first of
 /// those that are not long ago, for the way may cross itself. A place beside the way says nothing: [`super::check`] sees to it.
 fn seen_on(
-    text: &str,
+    text: &dyn ProgramText,
     begin: &Begin,
     history: &History,
     counted: usize,
@@ -176,7 +184,7 @@ const SHORT_LINE: usize = 4;
 
 /// The first line, up to the last one answered, of which something may be queued still; the line behind it when nothing can be.
 fn surely_cut(
-    text: &str,
+    text: &dyn ProgramText,
     begin: &Begin,
     history: &History,
     acknowledged: usize,

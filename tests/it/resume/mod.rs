@@ -85,7 +85,8 @@ fn broken_at(text: &str, acknowledged: usize, sent: usize) -> History {
                 how: "stopped".into(),
                 done: false,
                 position_kept: true,
-                at_rest: true, cable_sound: true
+                at_rest: true,
+                cable_sound: true,
             },
         ],
     )
