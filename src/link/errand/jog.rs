@@ -138,12 +138,38 @@ impl Jog {
             ..Jog::default()
         }
     }
+
+    /// One more behind the others, as a held key wants it; false, and nothing done, while another waits to be sent.
+    pub fn push(&mut self, jog: JogMove) -> bool {
+        let free = self.next >= self.moves.len() && self.moves.len() < MOST_MOVES;
+        if free {
+            self.moves.push(jog);
+            self.settled = false;
+        }
+        free
+    }
+
+    /// What is queued in the controller is no longer than this move: a key let go must not leave seconds of motion behind.
+    fn near(&self, jog: &JogMove, known: &Known) -> bool {
+        let (Some(place), Some(at)) = (self.place, known.machine_position) else {
+            return true;
+        };
+        let step = jog.axes.iter().flatten().map(|v| v.abs() * jog.units.mm());
+        let step = step.fold(0.0, f64::max);
+        (0..3).all(|i| (place[i] - at[i]).abs() <= step + 0.01)
+    }
 }
+
+/// Moves of one errand: more is a stuck key.
+const MOST_MOVES: usize = 10_000;
 
 impl Task for Jog {
     fn next(&mut self, now: &mut Situation<'_>) -> Result<Step, ErrandError> {
         if let Some(jog) = self.moves.get(self.next) {
             ready(now.known, "a jog", &[State::Idle, State::Jog])?;
+            if jog.reach == Reach::Relative && !self.near(jog, now.known) {
+                return Ok(Step::Listen);
+            }
             let line = jog.line()?;
             let at = self.place.or(now.known.machine_position);
             if let Some(at) = at {
