@@ -606,7 +606,9 @@ fn send_tells_events_and_keeps_a_journal() {
         json: None,
         events: Some(events.clone()),
         plain: true,
+        setup: false,
         tool_plate: None,
+        tool_setter: None,
         take_up: Default::default(),
     };
     let mut out = Vec::new();

@@ -3,7 +3,6 @@
 //! Drawn on stderr, so that results on stdout can go to a file. Given back on every way out: when the screen is dropped, and by a
 //! panic hook before the panic's own words.
 
-use super::keys::{Pressed, pressed};
 use crossterm::{cursor, event, execute, queue, style, terminal};
 use std::io::{IsTerminal as _, Write};
 use std::sync::Once;
@@ -52,40 +51,39 @@ impl Screen {
         Some(Screen { shown: Vec::new() })
     }
 
-    /// Columns.
-    pub fn width(&self) -> usize {
-        terminal::size().map_or(80, |(columns, _)| usize::from(columns).max(1))
+    /// Columns and rows.
+    pub fn size(&self) -> (usize, usize) {
+        terminal::size().map_or((80, 24), |(columns, rows)| {
+            (usize::from(columns).max(1), usize::from(rows).max(1))
+        })
     }
 
     /// Shows these lines; only those that changed are written. A terminal that takes nothing does not hinder the job.
     pub fn show(&mut self, lines: Vec<String>) {
-        let rows = terminal::size().map_or(usize::MAX, |(_, rows)| usize::from(rows));
         let mut out = std::io::stderr().lock();
-        for (row, line) in lines.iter().enumerate().take(rows) {
-            if self.shown.get(row) == Some(line) {
+        let rows = lines.len().max(self.shown.len());
+        for row in 0..rows {
+            let line = lines.get(row);
+            if self.shown.get(row) == line {
                 continue;
             }
-            let Ok(row) = u16::try_from(row) else { break };
+            let Ok(at) = u16::try_from(row) else { break };
             let _ = queue!(
                 out,
-                cursor::MoveTo(0, row),
+                cursor::MoveTo(0, at),
                 terminal::Clear(terminal::ClearType::CurrentLine),
-                style::Print(line)
+                style::Print(line.map_or("", String::as_str))
             );
         }
         let _ = out.flush();
         self.shown = lines;
     }
 
-    /// The next key that means something, without waiting.
-    pub fn key(&mut self) -> Option<Pressed> {
+    /// The next key, without waiting.
+    pub fn key(&mut self) -> Option<event::KeyEvent> {
         while event::poll(Duration::ZERO).unwrap_or(false) {
             match event::read() {
-                Ok(event::Event::Key(key)) => {
-                    if let Some(pressed) = pressed(&key) {
-                        return Some(pressed);
-                    }
-                }
+                Ok(event::Event::Key(key)) => return Some(key),
                 // Draw all of it again.
                 Ok(event::Event::Resize(..)) => {
                     self.shown.clear();

@@ -222,6 +222,11 @@ pub(super) fn room(known: &Known, axis: usize) -> Option<(f64, f64)> {
     }
 }
 
+/// Lowest and highest machine Z, mm, of a machine known to be homed.
+pub fn room_of_z(known: &Known) -> Option<(f64, f64)> {
+    room(known, 2)
+}
+
 /// Refuses a target outside the room. A move that comes back from outside is allowed.
 pub(super) fn within_travel(
     known: &Known,

@@ -33,7 +33,7 @@ pub use console::{Console, Verdict, judge, key};
 pub use error::ErrandError;
 pub use exchange::{Exchange, Heard, News, Rule, Situation, Step, Task};
 pub use home::Home;
-pub use jog::{Jog, JogMove, JogUnits, Reach};
+pub use jog::{Jog, JogMove, JogUnits, Reach, room_of_z};
 pub use probe::{Probe, ProbeOptions, Touch};
 pub use restore::Restore;
 pub use run::{Errand, ErrandOptions};

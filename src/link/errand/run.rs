@@ -220,7 +220,12 @@ impl<T: Task> Errand<T> {
                 self.out.extend(introduction.output());
                 return self.met(now);
             }
-            Phase::Deciding | Phase::Listening => self.decide(now),
+            Phase::Deciding | Phase::Listening => {
+                if !self.task.carries_on() {
+                    self.watch_the_link(now);
+                }
+                self.decide(now);
+            }
             Phase::Before(exchange) => {
                 if now.saturating_sub(self.since) >= WRITER_QUIET {
                     let exchange = exchange.clone();
@@ -278,6 +283,9 @@ impl<T: Task> Errand<T> {
 
     /// Asks the task until there is something to wait for.
     pub(super) fn decide(&mut self, now: Duration) {
+        if !matches!(self.phase, Phase::Deciding | Phase::Listening) {
+            return;
+        }
         if let Some(error) = self.ending.take() {
             return self.end(Some(error), now);
         }
