@@ -23,8 +23,8 @@ pub const KEYS: [&str; 2] = [
 ];
 /// The keys while the machine is in the operator's hands.
 pub const HAND_KEYS: [&str; 2] = [
-    "arrows jog X Y   PgUp PgDn jog Z   , . smaller larger step   space stops a jog   r go on   x stop",
-    "X Y Z zero that axis here   H home   p measure the tool",
+    "arrows jog X Y   PgUp PgDn jog Z   , . smaller larger step   space stops   r go on   x stop",
+    "X Y Z zero that axis here   H home   p measure tool",
 ];
 
 /// What the operator may do by hand now.
@@ -486,7 +486,7 @@ space/h hold   r resume   x stop   d door   s spindle off/on in hold   f flood  
         let mut b = board();
         assert_eq!(
             b.draw(20, 5).join("\n"),
-            "Run 25% 0:00 left\nX12.50 Y-3.25\nZ0.00\nline 31\n[2J"
+            "Run 25% 0:00 left\nX12.50 Y-3.25\nZ0.00\nline 31\noff [2J"
         );
         b.attention = Some("on hold, at rest: resume or stop".into());
         let shown = b.draw(20, 5);

@@ -7,7 +7,7 @@
 use super::board::Board;
 use super::events::{self, Event, Line};
 use super::keys::{Hand, Pressed, hand, pressed, wish_of_line};
-use super::screen::Screen;
+use super::screen::{Keyboard, Screen};
 use crate::cli::errand::interrupts;
 use crate::cli::output::say;
 use crate::link::{Command, Known, Outcome, Progress};
@@ -165,10 +165,17 @@ impl Listener {
                 }
             }
             if let Some(screen) = &mut self.screen {
-                match pressed(&screen.key()?) {
-                    Some(Pressed::Wish(command)) => return Some(command),
-                    Some(Pressed::Interrupt) => return self.pressed(true),
-                    None => continue,
+                match screen.key()? {
+                    Keyboard::Key(key) => match pressed(&key) {
+                        Some(Pressed::Wish(command)) => return Some(command),
+                        Some(Pressed::Interrupt) => return self.pressed(true),
+                        None => continue,
+                    },
+                    Keyboard::Gone => {
+                        // Nobody is left who could resume.
+                        self.screen = None;
+                        return Some(Command::Stop);
+                    }
                 }
             }
             match self.typed.as_ref()?.try_recv() {
@@ -193,8 +200,16 @@ impl Listener {
         }
         if let Some(screen) = &mut self.screen {
             return loop {
-                if let Some(hand) = hand(&screen.key()?) {
-                    break Some(Press::Hand(hand));
+                match screen.key()? {
+                    Keyboard::Key(key) => {
+                        if let Some(hand) = hand(&key) {
+                            break Some(Press::Hand(hand));
+                        }
+                    }
+                    Keyboard::Gone => {
+                        self.screen = None;
+                        break Some(Press::Hand(Hand::Stop));
+                    }
                 }
             };
         }

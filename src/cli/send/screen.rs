@@ -5,7 +5,9 @@
 
 use crossterm::{cursor, event, execute, queue, style, terminal};
 use std::io::{IsTerminal as _, Write};
-use std::sync::Once;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
+use std::sync::{Mutex, Once, OnceLock};
 use std::time::Duration;
 
 /// An open screen.
@@ -13,8 +15,43 @@ pub struct Screen {
     shown: Vec<String>,
 }
 
+/// What came from the keyboard.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Keyboard {
+    /// A key.
+    Key(event::KeyEvent),
+    /// Nobody sits there any more: the terminal was closed.
+    Gone,
+}
+
+/// Keys are read by a thread of their own: a terminal that was closed can keep its reader from ever coming back, and nobody but
+/// that thread may wait for it. It reads only while a screen is open.
+static KEYS: OnceLock<Mutex<Receiver<event::Event>>> = OnceLock::new();
+/// A screen is open.
+static OPEN: AtomicBool = AtomicBool::new(false);
+
+fn read_keys(to: &Sender<event::Event>) {
+    loop {
+        if !OPEN.load(Ordering::SeqCst) {
+            std::thread::sleep(Duration::from_millis(20));
+            continue;
+        }
+        let read = match event::poll(Duration::from_millis(50)) {
+            Ok(false) => continue,
+            Ok(true) => event::read(),
+            Err(e) => Err(e),
+        };
+        // The receiver hears of the end by the sender's.
+        match read {
+            Ok(event) if to.send(event).is_ok() => {}
+            _ => return,
+        }
+    }
+}
+
 /// Gives the terminal back. Safe to call more than once.
 fn give_back() {
+    OPEN.store(false, Ordering::SeqCst);
     let _ = execute!(
         std::io::stderr(),
         cursor::Show,
@@ -48,6 +85,12 @@ impl Screen {
             give_back();
             return None;
         }
+        KEYS.get_or_init(|| {
+            let (to, from) = channel();
+            std::thread::spawn(move || read_keys(&to));
+            Mutex::new(from)
+        });
+        OPEN.store(true, Ordering::SeqCst);
         Some(Screen { shown: Vec::new() })
     }
 
@@ -80,20 +123,24 @@ impl Screen {
     }
 
     /// The next key, without waiting.
-    pub fn key(&mut self) -> Option<event::KeyEvent> {
-        while event::poll(Duration::ZERO).unwrap_or(false) {
-            match event::read() {
-                Ok(event::Event::Key(key)) => return Some(key),
+    pub fn key(&mut self) -> Option<Keyboard> {
+        let keys = KEYS.get()?.lock().ok()?;
+        loop {
+            match keys.try_recv() {
+                Ok(event::Event::Key(key)) => return Some(Keyboard::Key(key)),
                 // Draw all of it again.
                 Ok(event::Event::Resize(..)) => {
                     self.shown.clear();
-                    let _ = execute!(std::io::stderr(), terminal::Clear(terminal::ClearType::All));
+                    let _ = execute!(
+                        std::io::stderr(),
+                        terminal::Clear(terminal::ClearType::All)
+                    );
                 }
                 Ok(_) => {}
-                Err(_) => return None,
+                Err(TryRecvError::Empty) => return None,
+                Err(TryRecvError::Disconnected) => return Some(Keyboard::Gone),
             }
         }
-        None
     }
 }
 

@@ -37,7 +37,7 @@ pub use jog::{Jog, JogMove, JogUnits, Reach, room_of_z};
 pub use probe::{Probe, ProbeOptions, Touch};
 pub use restore::Restore;
 pub use run::{Errand, ErrandOptions};
-pub use saved::{Difference, Save, Saved, differences};
+pub use saved::{Difference, MovedOffset, Save, Saved, differences, moved_offsets, other_startup};
 pub use tool::{NO_DIFFERENCE, ToolLength, Watch};
 pub use travel::{Down, GoTo, Retract, Rise};
 pub use unlock::Unlock;
