@@ -24,7 +24,7 @@ pub const KEYS: [&str; 2] = [
 /// The keys while the machine is in the operator's hands.
 pub const HAND_KEYS: [&str; 2] = [
     "arrows jog X Y   PgUp PgDn jog Z   , . smaller larger step   space stops   r go on   x stop",
-    "X Y Z zero that axis here   H home   p measure tool",
+    "X Y Z zero that axis here   H home before the start   p measure tool",
 ];
 
 /// What the operator may do by hand now.
@@ -140,7 +140,8 @@ impl Board {
         Some(text)
     }
 
-    fn keep(&mut self, text: String) {
+    /// One more line of the log.
+    pub fn keep(&mut self, text: String) {
         self.log.push_back(text);
         if self.log.len() > KEPT_FIRST + KEPT_LAST {
             self.log.remove(KEPT_FIRST);

@@ -60,6 +60,8 @@ struct Change {
     before: Known,
     /// Where the program believes the tool to be, work coordinates, mm.
     left: Option<[f64; 3]>,
+    /// How far it was lifted, mm.
+    lifted: f64,
     /// The tool was measured: the difference, mm, or the new Z of the active work offset.
     measured: Option<f64>,
 }
@@ -75,6 +77,7 @@ impl Changer {
         let before = up.known.clone();
         let mut change = Change {
             left: up.task.from,
+            lifted: up.task.by,
             before,
             measured: None,
         };
@@ -146,7 +149,9 @@ impl Changer {
             let same = shown.is_some_and(|s| (s - by).abs() < NO_DIFFERENCE);
             let unattended = !listener.has_keys() && change.measured.is_none();
             if same || self.yes || unattended {
-                listener.note(&told);
+                if !same {
+                    listener.note(&told);
+                }
                 return self.carry_out(ToolLength::new(by, but), change, hands, listener);
             }
             shown = Some(by);
@@ -154,8 +159,8 @@ impl Changer {
                 Gauge::Hand => "",
                 _ => ", p measures again",
             };
-            listener.hear(&Progress::Note(told.clone()), hands.start.elapsed());
-            listener.board.attention = Some(format!("{told}: r goes on with it{again}, x stops"));
+            let question = format!("{told}: r goes on with it{again}, x stops");
+            listener.confirm(&question);
         }
     }
 
@@ -183,6 +188,14 @@ impl Changer {
                 if by > 0.0 { "longer" } else { "shorter" }
             ),
         };
+        if let Some(left) = change.left.filter(|_| change.lifted > 0.0) {
+            text += &format!(
+                ". Then over X{:.3} Y{:.3} and down to Z{:.3}, where the program left off, with the spindle off",
+                left[0] + 0.0,
+                left[1] + 0.0,
+                left[2] + 0.0
+            );
+        }
         let room = crate::link::errand::room_of_z(now);
         let zero = z_of(&change.before) + by;
         if let (Some([low, high]), Some((lowest, highest))) = (self.range, room) {

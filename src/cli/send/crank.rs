@@ -1,7 +1,7 @@
 //! Turns a session with a real port and clock: wishes, journal, news, and the tool change.
 
 use super::change::{Changed, Changer};
-use super::hands::Hands;
+use super::hands::{FIRST_STEP, Hands};
 use super::listener::Listener;
 use crate::link::errand::ErrandOptions;
 use crate::link::journal::{JournalFile, Keeper};
@@ -135,6 +135,7 @@ impl Crank<'_> {
                 rx_bytes: self.rx_bytes,
                 ..ErrandOptions::default()
             },
+            step: FIRST_STEP,
         };
         let changed = self.changer.change(prompt, &mut hands, listener);
         let now = self.start.elapsed();

@@ -58,7 +58,12 @@ pub struct Hands<'a> {
     pub start: Instant,
     /// For each errand.
     pub options: ErrandOptions,
+    /// Which of [`STEPS`] a jog key goes.
+    pub step: usize,
 }
+
+/// 1 mm.
+pub const FIRST_STEP: usize = 2;
 
 impl Hands<'_> {
     /// An errand that asks the controller who and where it is first.
@@ -127,11 +132,10 @@ impl Hands<'_> {
 
     fn keys(&mut self, mut known: Known, listener: &mut Listener, offer: Offer) -> Leave {
         let asked = listener.board.attention.clone();
-        let mut step = 2;
         let mut question: Option<Hand> = None;
         loop {
             if listener.has_keys() {
-                listener.board.hand = Some(InHand { step: STEPS[step] });
+                listener.board.hand = Some(InHand { step: self.step() });
             }
             let mut pressed = None;
             let watch = Errand::knowing(
@@ -169,15 +173,15 @@ impl Hands<'_> {
                     return Leave::Measure;
                 }
                 Hand::Finer => {
-                    step = step.saturating_sub(1);
+                    self.step = self.step.saturating_sub(1);
                     continue;
                 }
                 Hand::Coarser => {
-                    step = (step + 1).min(STEPS.len() - 1);
+                    self.step = (self.step + 1).min(STEPS.len() - 1);
                     continue;
                 }
                 Hand::Jog { axis, plus } => {
-                    self.jog(axis, plus, STEPS[step], &mut known, listener)
+                    self.jog(axis, plus, self.step(), &mut known, listener)
                 }
                 what @ (Hand::Zero(_) | Hand::Home) if answered.is_none() => {
                     if what == Hand::Home && offer != Offer::Start {
@@ -218,6 +222,11 @@ impl Hands<'_> {
         }
     }
 
+    /// mm.
+    fn step(&self) -> f64 {
+        STEPS.get(self.step).copied().unwrap_or(1.0)
+    }
+
     fn jog(
         &mut self,
         axis: usize,
@@ -246,7 +255,7 @@ impl Hands<'_> {
             }
         };
         let errand = Errand::knowing(
-            Jog::new(vec![one(axis, plus)]),
+            Jog::new(vec![one(axis, plus)]).quietly(),
             self.options,
             known.clone(),
             self.start.elapsed(),

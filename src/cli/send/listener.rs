@@ -112,6 +112,22 @@ impl Listener {
         self.hear(&Progress::Note(text.to_string()), self.now);
     }
 
+    /// Something that waits for the operator's `resume`.
+    pub fn confirm(&mut self, text: &str) {
+        let line = format!("confirm: {text}");
+        self.board.attention = Some(text.to_string());
+        self.board.keep(line.clone());
+        self.write(
+            Event::Confirm {
+                text: text.to_string(),
+            },
+            self.now,
+        );
+        if self.screen.is_none() {
+            say(&line);
+        }
+    }
+
     /// News of the job at `now`.
     pub fn hear(&mut self, news: &Progress, now: Duration) {
         self.now = now;
@@ -125,6 +141,11 @@ impl Listener {
             && self.screen.is_none()
         {
             say(&line);
+        }
+        if matches!(news, Progress::Prompt(_)) && !self.can_answer() {
+            self.note(
+                "nobody can answer here: resume at the machine's own button, or stop the job with a signal (kill -INT)",
+            );
         }
     }
 

@@ -219,6 +219,7 @@ fn send(args: &SendArgs, out: &mut dyn Write) -> Result<u8, Failure> {
                     rx_bytes: machine.rx_buffer,
                     ..ErrandOptions::default()
                 },
+                step: hands::FIRST_STEP,
             };
             let title = format!("{name} on {}", machine.title);
             match set_up(title, &mut hands, known)? {

@@ -17,11 +17,10 @@ impl<T: Task> Errand<T> {
             }
             return self.met(now);
         }
-        match reply {
-            Reply::Status(status) => self.report(status, now),
-            _ => self
-                .news
-                .push(News::Said(line.to_string(), Box::new(reply.clone()))),
+        self.news
+            .push(News::Said(line.to_string(), Box::new(reply.clone())));
+        if let Reply::Status(status) = reply {
+            self.report(status, now);
         }
         if matches!(
             self.phase,

@@ -126,6 +126,7 @@ pub struct Jog {
     next: usize,
     place: Option<[f64; 3]>,
     settled: bool,
+    told: bool,
     /// Where it ended: machine and work position, mm.
     pub ended: Option<([f64; 3], Option<[f64; 3]>)>,
 }
@@ -136,6 +137,33 @@ impl Jog {
         Jog {
             moves,
             ..Jog::default()
+        }
+    }
+
+    /// Without notes about what cannot be checked: for one key after the other.
+    #[must_use]
+    pub fn quietly(self) -> Jog {
+        Jog { told: true, ..self }
+    }
+
+    /// What the operator should know before it moves.
+    fn caution(&mut self, jog: &JogMove, known: &Known, notes: &mut Vec<String>) {
+        if std::mem::replace(&mut self.told, true) {
+            return;
+        }
+        let axes = || (0..3usize).filter(|i| jog.axes[*i].is_some());
+        if axes().any(|i| room(known, i).is_none()) {
+            notes.push("the machine is not known to be homed: nothing checks whether it can go as far".to_string());
+        }
+        let rate = |i: usize| known.setting(110 + i as u16).filter(|r| *r > 0.0);
+        let fastest = axes().filter_map(rate).fold(0.0, f64::max);
+        let feed = jog.feed * jog.units.mm();
+        if fastest > 0.0 && feed > fastest * 1.001 {
+            notes.push(format!(
+                "{} mm/min is more than the axes do ($110 to $112): it goes at {} mm/min at most",
+                number(feed),
+                number(fastest)
+            ));
         }
     }
 
@@ -165,9 +193,9 @@ const MOST_MOVES: usize = 10_000;
 
 impl Task for Jog {
     fn next(&mut self, now: &mut Situation<'_>) -> Result<Step, ErrandError> {
-        if let Some(jog) = self.moves.get(self.next) {
+        if let Some(jog) = self.moves.get(self.next).cloned() {
             ready(now.known, "a jog", &[State::Idle, State::Jog])?;
-            if jog.reach == Reach::Relative && !self.near(jog, now.known) {
+            if jog.reach == Reach::Relative && !self.near(&jog, now.known) {
                 return Ok(Step::Listen);
             }
             let line = jog.line()?;
@@ -177,6 +205,7 @@ impl Task for Jog {
                 within_travel(now.known, at, target)?;
                 self.place = Some(target);
             }
+            self.caution(&jog, now.known, now.notes);
             self.next += 1;
             return Ok(Step::send(line, Rule::Jog));
         }

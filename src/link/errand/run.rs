@@ -327,6 +327,10 @@ impl<T: Task> Errand<T> {
             (Rule::Silent(_), _) => Moving::Homing,
             (_, other) => other,
         };
+        if matches!(exchange.rule, Rule::Motion | Rule::Jog) {
+            // What it said before is no word about this motion.
+            self.status = None;
+        }
         self.heard = Heard::of(&exchange.text);
         self.unanswered = true;
         self.idle_since = None;
