@@ -257,6 +257,12 @@ fn busy(state: &State) -> String {
             "the controller is in check mode, where nothing moves: send $C to leave it".to_string()
         }
         State::Sleep => "the controller is asleep: reset it".to_string(),
+        // grblHAL's own tool change: lines are taken, jogs and probes too, until it is acknowledged.
+        State::Other(text) if text == "Tool" => {
+            "the controller waits in a tool change of its own (state Tool): finish it and go on with ~ in `morsemill console`, or reset it. \
+             `send` makes tool changes itself and never sends M6"
+                .to_string()
+        }
         other => format!(
             "the controller is not idle but says {}: wait until it is, or reset it",
             other.text()

@@ -84,6 +84,22 @@ const KNOWN: [Known; 34] = [
     known(132, Kind::AboveZero(20_000.0), "travel of Z, mm"),
 ];
 
+/// What `$number` is, in words, and the unit of its value where it has one.
+pub fn meaning(number: u16) -> Option<(&'static str, Option<&'static str>)> {
+    let known = KNOWN.iter().find(|k| k.number == number)?;
+    Some(match known.title.split_once(", ") {
+        Some((title, unit)) => (title, Some(unit)),
+        None => (known.title, None),
+    })
+}
+
+/// True for a setting that is on or off.
+pub fn is_switch(number: u16) -> bool {
+    KNOWN
+        .iter()
+        .any(|k| k.number == number && k.kind == Kind::Switch)
+}
+
 /// One line of the file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Setting {
