@@ -4,7 +4,7 @@
 
 use super::dry_run::{DryRunOptions, PartContext, blank, judge};
 use super::material::Move;
-use super::report::{Kind, Problem, ProgramFigures};
+use super::report::{Problem, ProgramFigures};
 use crate::geom::{Point, Vector};
 use crate::sweep::{FinishStats, Segment};
 
@@ -39,9 +39,7 @@ pub struct Rehearsal {
 impl Rehearsal {
     /// Something was hit: a gouge, or a move through stock that could not cut.
     pub fn crashed(&self) -> bool {
-        self.problems
-            .iter()
-            .any(|p| matches!(p.kind, Kind::Gouge | Kind::Collision))
+        self.problems.iter().any(|p| p.kind.is_crash())
     }
 }
 
