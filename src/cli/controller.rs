@@ -255,6 +255,9 @@ fn serve(args: &ControllerArgs, out: &mut dyn Write, stop: &AtomicBool) -> Resul
     writeln!(out, "{name}")
         .and_then(|()| out.flush())
         .map_err(|e| format!("standard output: {e}"))?;
+    if args.allow_remote {
+        say("--allow-remote: any computer that reaches this address can drive this controller");
+    }
     let how = match serving {
         Serving::Pty(_) => "open that path as a serial device",
         Serving::Tcp(_) => "connect to that address",

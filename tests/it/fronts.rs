@@ -379,8 +379,10 @@ fn what_opening_does_is_a_matter_of_the_board() {
     let (pty, news) = serve(Opening::Restarts(Duration::from_millis(60)));
     moved(&pty, &news);
     let mut file = open_raw(pty.path());
-    file.write_all(b"$I\n?").unwrap();
-    let said = read_until(&mut file, "ok\r\n") + &read_until(&mut file, ">\r\n");
+    file.write_all(b"$I\n").unwrap();
+    let said = read_until(&mut file, "ok\r\n");
+    file.write_all(b"?").unwrap();
+    let said = said + &read_until(&mut file, ">\r\n");
     assert!(said.starts_with("\r\nGrbl 1.1h ['$' for help]\r\n"), "{said}");
     assert!(said.contains("[VER:") && said.contains("<Idle|MPos:0.000,"), "{said}");
     // A boot loader eats it.
