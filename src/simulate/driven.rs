@@ -6,7 +6,7 @@ use super::dry_run::{DryRunOptions, PartContext, blank};
 use super::judge::judge;
 use super::material::Move;
 use super::moves::Moves;
-use super::report::{Kind, Problem, ProgramFigures};
+use super::report::{Problem, ProgramFigures};
 use crate::geom::{Point, Vector};
 use crate::sweep::{FinishStats, Segment};
 
@@ -41,9 +41,7 @@ pub struct Rehearsal {
 impl Rehearsal {
     /// Something was hit: a gouge, or a move through stock that could not cut.
     pub fn crashed(&self) -> bool {
-        self.problems
-            .iter()
-            .any(|p| matches!(p.kind, Kind::Gouge | Kind::Collision))
+        self.problems.iter().any(|p| p.kind.is_crash())
     }
 }
 

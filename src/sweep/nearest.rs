@@ -6,10 +6,14 @@
 //!     c0        c1
 //! ```
 
-use crate::geom::{Point, Point2};
+use crate::geom::{Point, Point2, Vector2};
 use crate::sweep::Segment;
 use crate::sweep::buckets::Buckets;
 use std::borrow::Borrow;
+
+/// Sides of a bucket from the area asked about to the buckets at the rim. Buckets are a quarter of the ball's radius wide, and what is
+/// farther from a place than a radius and some allowance is seldom asked for.
+const MARGIN: f64 = 8.0;
 
 /// Segments of ball centres sorted into square buckets in plan. Work coordinates, mm.
 #[derive(Clone, Debug)]
@@ -41,8 +45,11 @@ impl Paths {
             max = max.sup(&p.xy());
         }
         // What lies beyond goes into the buckets at the rim: they are nearer to any place asked about than it is.
-        let min = min.sup(&asked.0).inf(&asked.1);
-        let max = max.inf(&asked.1).sup(&min);
+        // Those are kept so far away that hardly any place looks into them: a program cut beside the part (a wrong zero) crowds them.
+        let margin = Vector2::repeat(MARGIN * size);
+        let (first, last) = (asked.0 - margin, asked.1 + margin);
+        let min = min.sup(&first).inf(&last);
+        let max = max.inf(&last).sup(&min);
         let buckets = Buckets::new(min, max, size, segments.len(), |b, i, put| {
             touched(b, &segments[i], put);
         });

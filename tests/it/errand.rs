@@ -607,9 +607,7 @@ fn send_tells_events_and_keeps_a_journal() {
         events: Some(events.clone()),
         plain: true,
         setup: false,
-        setup: false,
         tool_plate: None,
-        tool_setter: None,
         tool_setter: None,
         take_up: Default::default(),
     };
