@@ -18,6 +18,7 @@ mod frame;
 mod front;
 mod labels;
 mod macros;
+mod okuma;
 mod oword;
 mod tongue;
 mod words;
