@@ -397,6 +397,89 @@ mod tests {
         assert_eq!(line_times(&[], &s).len(), 0);
     }
 
+    /// What each motion is for, seen with the whole list at hand: a run of upright feed moves is a cut when it begins and ends at one.
+    fn purposes(events: &[Event]) -> Vec<Purpose> {
+        let motions: Vec<Option<&Motion>> = events
+            .iter()
+            .filter_map(|e| match e {
+                Event::Motion(m) => Some(Some(m)),
+                Event::Probe { .. } => Some(None),
+                _ => None,
+            })
+            .collect();
+        let feed = |m: &Option<&Motion>| m.is_some_and(|m| m.kind == MotionKind::Feed);
+        let up = |m: &Option<&Motion>| feed(m) && m.is_some_and(upright);
+        (0..motions.len())
+            .map(|i| {
+                let before = motions[..i].iter().rev().find(|m| !up(m));
+                let behind = motions[i..].iter().find(|m| !up(m));
+                match () {
+                    () if !feed(&motions[i]) => Purpose::Air,
+                    () if !up(&motions[i]) => Purpose::Cut,
+                    () if before.is_some_and(feed) && behind.is_some_and(feed) => Purpose::Cut,
+                    () => Purpose::Plunge,
+                }
+            })
+            .collect()
+    }
+
+    /// All events come out in their order, each motion for what it is for, however late that is known; and no more are held than said.
+    #[test]
+    fn purposes_are_those_of_the_whole_program_and_little_is_held() {
+        let mut seed = 0x5eed_u64;
+        let mut roll = |n: u64| {
+            seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1);
+            (seed >> 33) % n
+        };
+        for _ in 0..400 {
+            let mut text = String::from("F100\n");
+            for k in 0..roll(40) {
+                text += &match roll(9) {
+                    0 | 1 => format!("G1X{k}Y3\n"),
+                    2 => format!("G0X{k}\n"),
+                    3..=5 => format!("G1Z{}\n", roll(50)),
+                    6 => "G4P0.1\n".to_string(),
+                    7 => "M8\nM9\n".to_string(),
+                    _ => format!("G38.3Z-{}\n", 100 + k),
+                };
+            }
+            let events = interpret(&text, Dialect::Grbl).unwrap().events;
+            let mut told: Vec<(Event, Purpose)> = vec![];
+            let mut upright = Upright::default();
+            for event in &events {
+                upright.hear(event, &mut |e, p| told.push((e.clone(), p)));
+            }
+            upright.finish(&mut |e, p| told.push((e.clone(), p)));
+            assert!(told.iter().map(|t| &t.0).eq(&events), "{text}");
+            let moves = |e: &Event| matches!(e, Event::Motion(_) | Event::Probe { .. });
+            let found: Vec<Purpose> = told.iter().filter(|t| moves(&t.0)).map(|t| t.1).collect();
+            assert_eq!(found, purposes(&events), "{text}");
+        }
+        // A cut that goes on straight down for ever.
+        let mut upright = Upright::default();
+        let down = |line: usize| {
+            Event::Motion(Motion {
+                kind: MotionKind::Feed,
+                from: crate::geom::Point::new(f64::from(u8::from(line > 0)), 0.0, 0.0),
+                to: crate::geom::Point::new(1.0, 0.0, -0.01 * line as f64),
+                arc: None,
+                feed: MmPerMin(100.0),
+                inverse_time: false,
+                machine_coordinates: false,
+                line,
+            })
+        };
+        let (mut told, mut most) = (0, 0);
+        for line in 0..3 * MOST_HELD {
+            upright.hear(&down(line), &mut |_, p| {
+                told += 1;
+                assert_eq!(p, Purpose::Cut);
+            });
+            most = most.max(upright.held.len());
+        }
+        assert_eq!((told, most), (3 * MOST_HELD, MOST_HELD - 1));
+    }
+
     #[test]
     fn inverse_time_arcs_take_their_time() {
         let s = settings([1000.0; 3], [6000.0; 3], [5000.0; 3], 0.01);

@@ -17,13 +17,24 @@ pub(super) fn judge(
     options: &DryRunOptions,
     report: &mut DryRun,
 ) {
+    judge_holding(MOST_HELD, moves, part, options, report);
+}
+
+/// Holds at most so many moves at once, where they are not in memory anyway and a single tile has no more.
+fn judge_holding(
+    most: usize,
+    moves: &Moves,
+    part: &PartContext,
+    options: &DryRunOptions,
+    report: &mut DryRun,
+) {
     let radius = part.drop.radius();
     let tiles = part.reachable;
     let mut judging = Judging::new(tiles, &FinishOptions::for_scallop(options.scallop_mm));
     let room = judging.room();
     let mut collisions = Vec::new();
     let mut held = Vec::new();
-    for group in moves.groups(tiles, room, MOST_HELD) {
+    for group in moves.groups(tiles, room, most) {
         let moves = moves.near(tiles, room, &group, &mut held);
         let which = tiles.touched(moves.iter().map(|m| &m.segment));
         let feed = moves.iter().filter(|m| !m.rapid).map(|m| m.segment);
@@ -150,5 +161,98 @@ fn verdict(
                 place(s.uncut_at)
             ),
         );
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::super::dry_run::{Stock, blank};
+    use super::super::material::Move;
+    use super::*;
+    use crate::geom::Point;
+    use crate::part::Mesh;
+    use crate::reach::DropCutter;
+    use crate::simulate::ProgramFigures;
+    use crate::sweep::{ReachTiles, Segment};
+
+    /// A ridged plate cut by passes with a gouge, a gap, and rapids through stock: judged at once, and by groups of tiles with few moves
+    /// held, the report and the map are the same to the last bit.
+    #[test]
+    fn groups_of_tiles_find_what_all_tiles_find() {
+        let height = |x: f64| 0.4 * (x * 0.9).sin();
+        let mut triangles = vec![];
+        for k in 0..24 {
+            let (a, b) = (0.5 * f64::from(k), 0.5 * f64::from(k + 1));
+            let p = |x: f64, y: f64| Point::new(x, y, height(x));
+            triangles.push([p(a, 0.0), p(b, 0.0), p(b, 9.0)]);
+            triangles.push([p(a, 0.0), p(b, 9.0), p(a, 9.0)]);
+        }
+        let mesh = Mesh { triangles };
+        let radius = 1.0;
+        let drop = DropCutter::new(&mesh, radius);
+        let tiles = ReachTiles::new(&drop, 0.03, 1).with_side(64);
+        assert!(tiles.len() > 20);
+        let part = PartContext {
+            mesh: &mesh,
+            drop: &drop,
+            reachable: &tiles,
+        };
+        let mut at = Point::new(-1.0, 0.0, 5.0);
+        let mut moves: Vec<Move> = vec![];
+        let mut go = |to: Point, rapid: bool| {
+            let segment = Segment { from: at, to };
+            let line = moves.len() + 1;
+            moves.push(Move {
+                segment,
+                rapid,
+                line,
+            });
+            at = to;
+        };
+        for row in 0..=22 {
+            let y = 0.4 * f64::from(row);
+            for k in 0..=60 {
+                let x = 0.2 * f64::from(if row % 2 == 0 { k } else { 60 - k });
+                let rest = drop.drop(x, y).map_or(radius, |c| c.center.z);
+                let low = if (row, k) == (9, 30) { 0.05 } else { 0.0 };
+                go(Point::new(x, y, rest - low), false);
+            }
+            if row == 12 {
+                // Through what is not cut yet, and back.
+                go(Point::new(6.0, 8.5, radius), true);
+                go(Point::new(6.0, y, 3.0), true);
+            }
+        }
+        let options = DryRunOptions::new(0.02, Stock::Allowance(0.5));
+        let run = |most: usize, moves: &Moves| {
+            let mut report = blank(ProgramFigures::default());
+            judge_holding(most, moves, &part, &options, &mut report);
+            report
+        };
+        let whole = run(MOST_HELD, &Moves::Held(&moves));
+        let kinds: Vec<Kind> = whole.problems.iter().map(|p| p.kind).collect();
+        assert!(kinds.contains(&Kind::Gouge) && kinds.contains(&Kind::Collision));
+        let read = |hear: &mut dyn FnMut(&Move)| moves.iter().for_each(hear);
+        let read = Moves::Read(&read);
+        let room = 1.3;
+        assert!(read.groups(&tiles, room, 500).len() > 3);
+        for most in [1, 500, 3000, MOST_HELD] {
+            let by_groups = run(most, &read);
+            assert_eq!(by_groups.problems, whole.problems, "{most}");
+            assert_eq!(by_groups.finish, whole.finish, "{most}");
+            // NaN is not equal to itself.
+            assert_eq!(
+                format!("{:?}", by_groups.map),
+                format!("{:?}", whole.map),
+                "{most}"
+            );
+        }
+        // And it does hold few.
+        let mut held = Vec::new();
+        for group in read.groups(&tiles, room, 500) {
+            let n = read.near(&tiles, room, &group, &mut held).len();
+            assert!(n <= 3 * 500 || group.len() == 1, "{n} {group:?}");
+        }
     }
 }

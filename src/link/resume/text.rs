@@ -5,7 +5,7 @@ use crate::link::job::JobSource;
 use std::io::{self, BufRead, Cursor, Read, Seek, SeekFrom};
 
 /// A program that can be read from its beginning as often as needed: a text in memory, or anything a job is read from.
-pub trait ProgramText {
+pub trait ProgramText: Sync {
     /// From its beginning.
     ///
     /// # Errors
