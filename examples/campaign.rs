@@ -9,6 +9,8 @@
 
 #[path = "../tests/it/campaign/mod.rs"]
 mod campaign;
+#[path = "../tests/it/chance.rs"]
+mod chance;
 
 use clap::Parser;
 use std::io::Write as _;

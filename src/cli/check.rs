@@ -5,16 +5,16 @@ use super::Failure;
 use super::args::{PartArgs, ToolArgs, parse};
 use super::mill::StockArg;
 use super::output::{to_stdout, write_json, write_whole};
+use super::program_file::ProgramFile;
 use super::progress::Progress;
 use super::show::{clock, motion};
 use crate::picture::{Gouge, HeatMap, Raster, heat_map};
 use crate::reach::DropCutter;
-
-use crate::simulate::{DryRun, DryRunOptions, PartContext, Stock, dry_run, judging_step};
+use crate::simulate::{DryRun, DryRunOptions, PartContext, Stock, dry_run_of, judging_step};
 use crate::sweep::{Lattice, ReachTiles};
 use crate::verify::dialect_of;
 use serde::Serialize;
-use std::io::{Read as _, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -89,7 +89,8 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, Failure> {
     let post = super::sources::post(args.post.as_deref().unwrap_or(&machine.post))
         .map_err(Failure::failed)?;
     let dialect = dialect_of(&post).map_err(Failure::failed)?;
-    let text = read_program(&args.program).map_err(Failure::Failed)?;
+    let program = ProgramFile::open(&args.program).map_err(Failure::Failed)?;
+    let text = || Ok(program.read());
     let mut progress = Progress::new();
     let radius = args.tool.tool.radius;
     let mut figures = None;
@@ -98,7 +99,7 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, Failure> {
             progress.stage("check", "reading and timing the program");
             // Without a part the stock has nothing to stand on.
             let options = DryRunOptions::new(args.tool.scallop, Stock::Allowance(0.0));
-            dry_run(&text, dialect, &machine, None, &options)
+            dry_run_of(&text, dialect, &machine, None, &options)
         }
         Some(path) => {
             progress.stage("import", "reading the part");
@@ -125,10 +126,11 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, Failure> {
                 scallop_mm: args.tool.scallop,
                 cell_mm: reach.lattice().step,
             });
-            dry_run(&text, dialect, &machine, Some(&part), &options)
+            dry_run_of(&text, dialect, &machine, Some(&part), &options)
         }
     };
     progress.finish();
+    program.unchanged().map_err(Failure::Failed)?;
     let report = Report {
         file: args.program.display().to_string(),
         machine: &machine.name,
@@ -148,34 +150,6 @@ pub fn run(args: &CheckArgs) -> Result<ExitCode, Failure> {
     } else {
         ExitCode::from(1)
     })
-}
-
-/// A program is text, and a long one has a million lines, not more than this, bytes.
-const MOST_BYTES: u64 = 1 << 29;
-
-/// The text of a program, for `check` and `send` alike. Errors name the file.
-pub(super) fn read_program(path: &Path) -> Result<String, String> {
-    let fail = |e: &dyn std::fmt::Display| format!("{}: {e}", path.display());
-    if path.is_dir() {
-        return Err(fail(&"this is a directory: name the program inside it"));
-    }
-    let mut bytes = Vec::new();
-    std::fs::File::open(path)
-        .and_then(|f| f.take(MOST_BYTES + 1).read_to_end(&mut bytes))
-        .map_err(|e| fail(&format!("cannot be read: {e}")))?;
-    if bytes.is_empty() {
-        return Err(fail(&"the file is empty: there is no program in it"));
-    }
-    if bytes.len() as u64 > MOST_BYTES {
-        return Err(fail(&"more than 512 MB: no program is as long"));
-    }
-    if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
-        return Err(fail(
-            &"this is text in UTF-16: save it as plain ASCII or UTF-8",
-        ));
-    }
-    // Comments may hold bytes of any code page; elsewhere a letter that is none shows up as a refused word on its line.
-    Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 
 fn write_report(dir: &Path, report: &Report) -> Result<(), Failure> {

@@ -1,6 +1,7 @@
 //! `morsemill controller`: the simulated controller behind a pseudo-terminal or a socket, for any sender to open.
 
 mod keep;
+mod name;
 mod rehearse;
 
 use super::Failure;
@@ -9,7 +10,7 @@ use super::mill::StockArg;
 use super::output::say;
 use super::send::pace;
 use crate::controller::{
-    Build, Controller, FaultPlan, Faults, Guests, Memory, News, Pace, Profile, Pty, Quirks,
+    Build, Controller, FaultPlan, Faults, Guests, Memory, News, Opening, Pace, Profile, Pty, Quirks,
     Readout, Rig, RigOptions, Script, Switches, Tcp,
 };
 use crate::machine::{Machine, SettingsFile};
@@ -39,6 +40,13 @@ pub struct ControllerArgs {
     /// Let --tcp listen where other computers can reach it: anybody there may drive this controller
     #[arg(long, requires = "tcp")]
     pub allow_remote: bool,
+    /// What opening the pseudo-terminal does: restart (as most boards: it greets half a second later, and hears what was said meanwhile),
+    /// bootloader (as an Arduino Uno: 1.6 s, in which what is said is lost) or nothing (reset not wired to DTR)
+    #[arg(long, value_name = "WHAT", value_enum, default_value = "restart", conflicts_with = "tcp")]
+    pub on_open: OnOpen,
+    /// Let this name point to the pseudo-terminal as long as it is there, for senders that want to be told once what to open
+    #[arg(long, value_name = "PATH", requires = "pty", conflicts_with = "tcp")]
+    pub link: Option<PathBuf>,
     /// Times real time, or `max` for as fast as the sender keeps up
     #[arg(long, value_name = "N|max", default_value = "1", value_parser = pace)]
     pub speed: Pace,
@@ -85,6 +93,29 @@ pub struct ControllerArgs {
     /// With --replay: print only what differs; exit 1 if anything does
     #[arg(long, requires = "replay")]
     pub compare: bool,
+}
+
+/// What opening the pseudo-terminal does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum OnOpen {
+    /// It restarts and greets.
+    Restart,
+    /// It restarts, and its boot loader eats what is said.
+    Bootloader,
+    /// It goes on.
+    Nothing,
+}
+
+impl OnOpen {
+    fn opening(self) -> Opening {
+        match self {
+            // Time for a program to open the device, set it up and clear its buffers.
+            OnOpen::Restart => Opening::Restarts(Duration::from_millis(500)),
+            // An Uno's boot loader waits a second for a program, and starting takes it another half.
+            OnOpen::Bootloader => Opening::BootLoader(Duration::from_millis(1600)),
+            OnOpen::Nothing => Opening::Nothing,
+        }
+    }
 }
 
 /// Three numbers with commas.
@@ -162,12 +193,15 @@ fn serve(args: &ControllerArgs, out: &mut dyn Write, stop: &AtomicBool) -> Resul
             Script::read(&file.display().to_string(), &text).map_err(|e| e.to_string())?
         }
     };
-    let bench = match &args.part {
-        None => None,
-        Some(part) => Some(Bench::lay(part, args)?),
-    };
     let eeprom_loss = faults.plan().eeprom_loss;
     let mut controller = controller(args, &machine, script.moves_the_door(), eeprom_loss)?;
+    let bench = match &args.part {
+        None => None,
+        Some(part) => {
+            let steps = controller.memory().axes(100);
+            Some(Bench::lay(part, args, &steps)?)
+        }
+    };
     if let Some(zero) = args.work_zero.or_else(|| {
         let half = machine.travel.map(|t| -0.5 * t.0);
         bench.as_ref().map(|_| half)
@@ -196,7 +230,8 @@ fn serve(args: &ControllerArgs, out: &mut dyn Write, stop: &AtomicBool) -> Resul
     let (sender, news) = mpsc::channel();
     let (serving, name) = match &args.tcp {
         None => {
-            let pty = Pty::serve(rig, args.speed, Some(sender)).map_err(|e| e.to_string())?;
+            let pty = Pty::serve(rig, args.on_open.opening(), args.speed, Some(sender))
+                .map_err(|e| e.to_string())?;
             let name = pty.path().to_string();
             (Serving::Pty(pty), name)
         }
@@ -212,9 +247,17 @@ fn serve(args: &ControllerArgs, out: &mut dyn Write, stop: &AtomicBool) -> Resul
             (Serving::Tcp(tcp), name)
         }
     };
+    // Taken away again when this is left, however.
+    let _link = match &args.link {
+        None => None,
+        Some(link) => Some(name::Link::make(link, &name)?),
+    };
     writeln!(out, "{name}")
         .and_then(|()| out.flush())
         .map_err(|e| format!("standard output: {e}"))?;
+    if args.allow_remote {
+        say("--allow-remote: any computer that reaches this address can drive this controller");
+    }
     let how = match serving {
         Serving::Pty(_) => "open that path as a serial device",
         Serving::Tcp(_) => "connect to that address",

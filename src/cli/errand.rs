@@ -66,9 +66,7 @@ pub fn catch_interrupts() {
         return;
     }
     let set = ctrlc::set_handler(|| {
-        if PRESSES.fetch_add(1, Ordering::SeqCst) == 0 {
-            say("\nstopping in order. Ctrl-C once more resets at once and may lose the position");
-        }
+        PRESSES.fetch_add(1, Ordering::SeqCst);
     });
     if set.is_err() {
         say(
@@ -183,7 +181,12 @@ impl Connection {
             if presses > heeded {
                 heeded = presses;
                 match presses {
-                    1 => errand.cancel(now),
+                    1 => {
+                        say(
+                            "\nstopping in order. Ctrl-C once more resets at once and may lose the position",
+                        );
+                        errand.cancel(now);
+                    }
                     _ => errand.reset_now(now),
                 }
             }

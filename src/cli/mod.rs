@@ -20,6 +20,7 @@ pub mod ports;
 pub mod post;
 pub mod posts;
 pub mod probe;
+mod program_file;
 mod progress;
 mod proven;
 mod replay;

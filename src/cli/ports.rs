@@ -36,6 +36,8 @@ struct Row {
     board: Option<&'static str>,
     /// What of GRBL's family runs on such boards.
     may_run: Option<&'static str>,
+    /// A name that stays the same wherever it is plugged in; as good for `--port`.
+    stable_name: Option<String>,
     /// What answered; absent when it was not asked.
     #[serde(skip_serializing_if = "Option::is_none")]
     probe: Option<Answer>,
@@ -75,12 +77,13 @@ fn ports(args: &PortsArgs, out: &mut dyn Write) -> Result<(), String> {
     let named = args.probe.as_deref().filter(|n| !n.is_empty());
     let mut entries = port::list().map_err(|e| e.to_string())?;
     if let Some(name) = named
-        && !entries.iter().any(|e| e.path == name)
+        && !entries.iter().any(|e| e.is_at(name))
     {
         entries.push(PortEntry {
             path: name.to_string(),
             title: "named by you".to_string(),
             usb: None,
+            stable: None,
         });
     }
     if entries.is_empty() {
@@ -90,7 +93,7 @@ fn ports(args: &PortsArgs, out: &mut dyn Write) -> Result<(), String> {
         .iter()
         .map(|entry| {
             let wanted = match named {
-                Some(name) => entry.path == name,
+                Some(name) => entry.is_at(name),
                 None => args.probe.is_some() && entry.board().is_some(),
             };
             row(entry, wanted.then(|| ask(&entry.path, args.baud)))
@@ -124,6 +127,7 @@ fn row(entry: &PortEntry, probe: Option<Answer>) -> Row {
         }),
         board: board.map(|b| b.title),
         may_run: board.map(|b| b.runs),
+        stable_name: entry.stable.clone(),
         probe,
     }
 }
@@ -142,6 +146,9 @@ fn print(rows: &[Row], out: &mut dyn Write) -> std::io::Result<()> {
         };
         let line = format!("{:path$}  {:title$}  {guess}", r.port, r.title);
         writeln!(out, "{}", line.trim_end())?;
+        if let Some(name) = &r.stable_name {
+            writeln!(out, "{:path$}  always: {name}", "")?;
+        }
         if let Some(answer) = &r.probe {
             writeln!(out, "{:path$}  answer: {}", "", answer.message)?;
         }
@@ -202,7 +209,10 @@ mod tests {
         };
         let rows = [
             row(
-                &PortEntry::of_usb("/dev/ttyACM0".into(), usb(0x2341, 0x43)),
+                &PortEntry {
+                    stable: Some("/dev/serial/by-id/usb-Arduino-if00".into()),
+                    ..PortEntry::of_usb("/dev/ttyACM0".into(), usb(0x2341, 0x43))
+                },
                 Some(Answer {
                     grbl: true,
                     greeting: None,
@@ -220,6 +230,7 @@ mod tests {
                     path: "/dev/ttyS0".into(),
                     title: "built in".into(),
                     usb: None,
+                    stable: None,
                 },
                 None,
             ),
@@ -229,6 +240,7 @@ mod tests {
         assert_eq!(
             String::from_utf8(out).unwrap(),
             "/dev/ttyACM0   USB 2341:0043  Arduino Uno R3: may run GRBL\n\
+             \u{20}              always: /dev/serial/by-id/usb-Arduino-if00\n\
              \u{20}              answer: Grbl 1.1h, Idle\n\
              /dev/ttyUSB12  USB 1234:5678  no chip of a GRBL board\n\
              /dev/ttyS0     built in\n"
@@ -236,6 +248,7 @@ mod tests {
         let json = serde_json::to_value(&rows).unwrap();
         assert_eq!(json[0]["usb"]["vendor"], "2341");
         assert_eq!(json[0]["probe"]["grbl"], true);
+        assert_eq!(json[0]["stable_name"], "/dev/serial/by-id/usb-Arduino-if00");
         assert_eq!(json[1]["board"], serde_json::Value::Null);
         assert!(json[1].get("probe").is_none());
     }

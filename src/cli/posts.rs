@@ -2,9 +2,12 @@
 
 use super::Failure;
 use super::output::{say, to_stdout};
+use crate::gcode::{Interpreter, Reading};
 use crate::machine::DataError;
 use crate::machine::{data, proofread, search};
-use crate::post::{BUILT_IN, Post, specimen_text};
+use crate::post::specimen::specimen;
+use crate::post::{Adapter, BUILT_IN, Post, Rewrite, specimen_text};
+use crate::verify::{Spelling, VerifyError, Witness, dialect_of, worst_state};
 use clap::Subcommand;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -186,7 +189,27 @@ fn check(file: &Path) -> Result<(Post, String), Failure> {
     let program = specimen_text(&post).map_err(|e| {
         Failure::Rejected(format!("{shown}: no program could be written with it: {e}"))
     })?;
+    read_back(&post, &program).map_err(|e| {
+        Failure::Rejected(format!(
+            "{shown}: a small program written with it does not say to {} what was meant, so the words of this post are wrong for it: {e}",
+            post.reader
+        ))
+    })?;
     Ok((post, program))
+}
+
+/// Reads the small program as its controller would, and compares it with what it was written for.
+fn read_back(post: &Post, program: &str) -> Result<(), VerifyError> {
+    let text = io::Cursor::new(program.as_bytes());
+    let state = worst_state(dialect_of(post)?, post);
+    let said = Interpreter::from_state(text, state, Reading::default())
+        .map_err(|e| VerifyError::Refused(e.to_string()))?;
+    let mut witness = Witness::new(said, Spelling::of(post));
+    let mut adapter = Adapter::new(post, Rewrite::default());
+    for step in specimen(post) {
+        adapter.step(&step, &mut |s| witness.step(s).map(drop))?;
+    }
+    witness.finish().map(drop)
 }
 
 /// A name as a path, whatever it ends with.

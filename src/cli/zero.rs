@@ -2,7 +2,7 @@
 
 use super::Failure;
 use super::errand::{ConnectArgs, NoDetails, SimBench, axis_words, finish, place, tell};
-use crate::link::errand::{GoToZero, Retract, Zero};
+use crate::link::errand::{GoTo, Retract, Zero};
 use serde::Serialize;
 use std::process::ExitCode;
 
@@ -19,15 +19,16 @@ pub struct ZeroArgs {
     /// Set nothing, go there: up to the safe height, across to X0 Y0, down to the clearance
     #[arg(long)]
     pub go: bool,
-    /// With --go: height of the way across, mm above work zero
+    /// With --go: height of the way across, mm above work zero [default: the top of the machine's travel if it is known to be homed,
+    /// else 10]
     #[arg(
         long,
         value_name = "MM",
-        default_value_t = 10.0,
+        requires = "go",
         allow_negative_numbers = true
     )]
-    pub safe_z: f64,
-    /// With --go: cross at the top of the machine's travel instead (homed machine with soft limits)
+    pub safe_z: Option<f64>,
+    /// With --go: cross at the top of the machine's travel or not at all (homed machine with soft limits)
     #[arg(long, requires = "go", conflicts_with = "safe_z")]
     pub machine_top: bool,
     /// With --go: where to stop above work zero, mm
@@ -54,9 +55,11 @@ pub fn run(args: &ZeroArgs) -> Result<ExitCode, Failure> {
     if args.go {
         let retract = match args.machine_top {
             true => Retract::MachineTop,
-            false => Retract::Work(args.safe_z),
+            false => args
+                .safe_z
+                .map_or(Retract::TopOr(10.0_f64.max(args.clearance)), Retract::Work),
         };
-        let task = GoToZero::new(retract, args.clearance);
+        let task = GoTo::zero(retract, args.clearance);
         let done = args.connect.open(SimBench::Plain)?.perform_aloud(task);
         if let Some(p) = done.task.position {
             tell(&format!("at work {}", place(p)))?;

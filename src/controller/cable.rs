@@ -7,6 +7,8 @@ use std::collections::VecDeque;
 
 /// Bits of a byte on the line, start and stop among them.
 const BITS: f64 = 10.0;
+/// Bytes under way to the controller, put there by a host faster than the line, at which a driver would make it wait.
+const CHOKED: usize = 4096;
 /// Bytes the transmit ring holds.
 const RING: usize = 104;
 
@@ -44,6 +46,11 @@ impl Cable {
             at += self.byte;
             self.incoming.push_back((at, byte));
         }
+    }
+
+    /// So many bytes are under way to the controller that the host should wait before it puts more.
+    pub fn is_choked(&self) -> bool {
+        self.incoming.len() >= CHOKED
     }
 
     /// The next byte that has arrived by now.

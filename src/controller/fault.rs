@@ -121,6 +121,9 @@ pub struct Faults {
     tally: Tally,
 }
 
+/// Bytes under way to the controller (a long delay, a host that does not wait for answers) at which the host is made to wait.
+const CHOKED: usize = 1 << 16;
+
 /// What the controller says to a line it has taken.
 const OK: &[u8] = b"ok\r\n";
 
@@ -295,6 +298,11 @@ impl Faults {
         [&self.to_controller, &self.to_host]
             .iter()
             .any(|l| !l.under_way.is_empty())
+    }
+
+    /// So many bytes are under way to the controller that the host should wait before it puts more.
+    pub fn is_choked(&self) -> bool {
+        self.to_controller.under_way.len() >= CHOKED
     }
 
     /// When something happens by itself next, s: bytes arrive, or a deed is due.

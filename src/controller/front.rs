@@ -48,18 +48,42 @@ pub enum Heard {
     Nothing,
     /// Nobody is there.
     Nobody,
+    /// Somebody came who was not there at the last look. If somebody else was, these bytes are the last ones of that host, else the
+    /// newcomer's first.
+    Opened(usize),
+}
+
+/// What opening the far end does to the controller.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Opening {
+    /// It restarts, as most boards do (DTR), and greets so long after, real time: a program that opens a device clears its buffers next,
+    /// and the greeting must not be in them. What is said meanwhile is heard afterwards.
+    Restarts(Duration),
+    /// It restarts by way of a boot loader that takes so long, real time, and eats what is said meanwhile, as an Arduino Uno does.
+    BootLoader(Duration),
+    /// Nothing, as with a board whose reset has no wire to DTR. What was said to nobody is not heard.
+    Nothing,
 }
 
 /// The near end of a byte pipe that hosts come to and leave.
 pub trait Pipe: Send {
-    /// Looks for bytes for `patience` at most.
+    /// Looks for bytes for `patience` at most. With no room for any it only looks who is there.
     fn hear(&mut self, into: &mut [u8], patience: Duration) -> Heard;
 
     /// Writes what fits now; how many bytes that were.
     fn tell(&mut self, bytes: &[u8]) -> usize;
 
-    /// Opening the far end restarts the controller (DTR of a serial port does).
-    fn opening_restarts(&self) -> bool;
+    /// The host has left: what it has not taken is not for the next one.
+    fn forget(&mut self);
+
+    /// What opening the far end does.
+    fn opening(&self) -> Opening;
+}
+
+/// Nothing is wrong with a pipe, there is just nothing to be had now.
+pub(super) fn is_pause(e: &std::io::Error) -> bool {
+    use std::io::ErrorKind::{Interrupted, TimedOut, WouldBlock};
+    matches!(e.kind(), TimedOut | Interrupted | WouldBlock)
 }
 
 /// What a front tells while it runs.
@@ -82,12 +106,14 @@ const QUIET: Duration = Duration::from_millis(400);
 const QUIET_SLICE: f64 = 0.1;
 /// Machine time between looks at the cable while a line waits, s.
 const BUSY_SLICE: f64 = 0.05;
-/// Largest piece read or written at once: a pseudo-terminal without a reader takes a few KiB, then a write would hang.
-pub(super) const PIECE: usize = 256;
+/// Largest piece read or written at once.
+const PIECE: usize = 256;
 /// Bytes kept for a reader that does not read; older ones are dropped, as on a cable nobody listens to.
 const BACKLOG: usize = 64 * 1024;
-/// How long one look waits for bytes.
+/// How long one look waits for bytes when something is about to happen.
 const LOOK: Duration = Duration::from_millis(1);
+/// How long one look waits when nothing is. Bytes, comers and goers end it at once; only [`Front::stop`] has to wait for it.
+const REST: Duration = Duration::from_millis(50);
 
 /// A running front. Dropping it switches the controller off.
 pub struct Front {
@@ -120,6 +146,8 @@ impl Front {
             out: Vec::new(),
             open: false,
             ever_open: false,
+            boot: None,
+            quiet_since: Instant::now(),
             news,
         };
         let thread = std::thread::Builder::new()
@@ -145,8 +173,8 @@ impl Front {
     fn end(&mut self) -> Option<Rig> {
         self.stop.store(true, Ordering::Relaxed);
         let thread = self.thread.take()?;
-        // A write to a pseudo-terminal nobody reads can hang in the kernel; such a thread is left behind rather than waited for.
-        for _ in 0..100 {
+        // A thread that hangs in the kernel is left behind rather than waited for.
+        for _ in 0..200 {
             if thread.is_finished() {
                 // A panic in there was printed by the thread itself; there is nothing left to do about it here.
                 return thread.join().ok();
@@ -176,40 +204,55 @@ struct Server<P> {
     news: Option<Sender<News>>,
     programs: usize,
     stored: Memory,
+    boot: Option<Boot>,
+    quiet_since: Instant,
+}
+
+/// A controller that was restarted by an opening and does not run yet. Machine time stands still.
+struct Boot {
+    until: Instant,
+    /// What is said meanwhile is heard afterwards.
+    keeps: bool,
+    early: Vec<u8>,
 }
 
 impl<P: Pipe> Server<P> {
     fn run(mut self) -> Rig {
         let mut buffer = [0u8; PIECE];
         let mut last = Instant::now();
-        let mut quiet_since = last;
         while !self.stop.load(Ordering::Relaxed) {
-            // While a line waits for the axes, nothing the host may say is needed before time goes on.
-            let no_need = self.pace == Pace::Unbound && self.rig.is_busy();
-            let patience = if no_need { Duration::ZERO } else { LOOK };
-            let heard = self.pipe.hear(&mut buffer, patience);
+            let patience = self.patience(last);
+            // What the line cannot take waits at the host, as a slow serial line makes it wait.
+            let room = if self.rig.is_choked() { 0 } else { PIECE };
+            let into = buffer.get_mut(..room).unwrap_or_default();
+            let heard = self.pipe.hear(into, patience);
             let now = Instant::now();
             let real = now.duration_since(last).as_secs_f64();
             last = now;
+            // What has just arrived, arrived now and not when the clock was last turned.
+            if let (Pace::Times(factor), None) = (self.pace, &self.boot) {
+                self.rig.advance(real * factor);
+            }
+            let bytes = |n| buffer.get(..n).unwrap_or_default();
             match heard {
                 Heard::Bytes(n) => {
-                    let bytes = buffer.get(..n).unwrap_or_default();
-                    // A host that only asks how far it is has nothing to compute either: it waits.
-                    if bytes.iter().any(|&b| Realtime::from_byte(b).is_none()) {
-                        quiet_since = now;
-                    }
-                    self.came();
-                    self.rig.feed(bytes);
+                    self.came(now);
+                    self.hear(bytes(n), now);
                 }
-                Heard::Nothing => self.came(),
-                Heard::Nobody => {
+                Heard::Opened(n) => {
+                    // A forerunner's last words, or a newcomer's first ones.
+                    let (old, new) = if self.open { (n, 0) } else { (0, n) };
+                    self.hear(bytes(old), now);
                     self.left();
-                    std::thread::sleep(2 * LOOK);
+                    self.came(now);
+                    self.hear(bytes(new), now);
                 }
+                Heard::Nothing => self.came(now),
+                Heard::Nobody => self.left(),
             }
-            match self.pace {
-                Pace::Times(factor) => self.rig.advance(real * factor),
-                Pace::Unbound => self.hurry(now.duration_since(quiet_since), real),
+            self.boot_on(now);
+            if self.pace == Pace::Unbound && self.boot.is_none() {
+                self.hurry(now.duration_since(self.quiet_since), real);
             }
             self.report();
             self.speak();
@@ -217,17 +260,64 @@ impl<P: Pipe> Server<P> {
         self.rig
     }
 
+    /// How long the next look at the pipe may wait.
+    fn patience(&self, now: Instant) -> Duration {
+        if let Some(boot) = &self.boot {
+            return boot.until.saturating_duration_since(now).clamp(LOOK, REST);
+        }
+        if self.open && !self.out.is_empty() {
+            return LOOK;
+        }
+        let next = self.rig.next_change();
+        match self.pace {
+            // While a line waits for the axes, nothing the host may say is needed before time goes on.
+            Pace::Unbound if self.rig.is_busy() => Duration::ZERO,
+            Pace::Unbound if next.is_some() || self.rig.is_moving() => LOOK,
+            Pace::Unbound => REST,
+            Pace::Times(factor) => next.map_or(REST, |at| {
+                let soon = ((at - self.rig.now()) / factor).clamp(LOOK.as_secs_f64(), REST.as_secs_f64());
+                // (Not a number only if the factor was none.)
+                Duration::try_from_secs_f64(soon).unwrap_or(LOOK)
+            }),
+        }
+    }
+
+    /// Bytes of the host.
+    fn hear(&mut self, bytes: &[u8], now: Instant) {
+        // A host that only asks how far it is has nothing to compute either: it waits.
+        if bytes.iter().any(|&b| Realtime::from_byte(b).is_none()) {
+            self.quiet_since = now;
+        }
+        match &mut self.boot {
+            None => self.rig.feed(bytes),
+            Some(boot) if boot.keeps && boot.early.len() < BACKLOG => {
+                boot.early.extend_from_slice(bytes);
+            }
+            Some(_) => {}
+        }
+    }
+
     /// Somebody has opened the far end.
-    fn came(&mut self) {
+    fn came(&mut self, now: Instant) {
         if self.open {
             return;
         }
         self.open = true;
-        if self.pipe.opening_restarts() {
+        let (keeps, time) = match self.pipe.opening() {
+            Opening::Restarts(time) => (true, Some(time)),
+            Opening::BootLoader(time) => (false, Some(time)),
+            Opening::Nothing => (false, None),
+        };
+        if let Some(time) = time {
             // What it said before is not heard; what it says now is.
             self.rig.output();
             self.out.clear();
             self.rig.power_cycle();
+            self.boot = Some(Boot {
+                until: now + time,
+                keeps,
+                early: Vec::new(),
+            });
         }
         self.ever_open = true;
         self.announce(News::Came);
@@ -238,8 +328,16 @@ impl<P: Pipe> Server<P> {
             return;
         }
         self.open = false;
+        self.pipe.forget();
         let drive = self.rig.take_drive();
         self.announce(News::Left(drive));
+    }
+
+    /// Ends the boot when its time has come: now it hears, and is heard.
+    fn boot_on(&mut self, now: Instant) {
+        if let Some(boot) = self.boot.take_if(|b| b.until <= now) {
+            self.rig.feed(&boot.early);
+        }
     }
 
     /// Lets machine time pass as far as the host has no say in it.
@@ -300,6 +398,9 @@ impl<P: Pipe> Server<P> {
     }
 
     fn speak(&mut self) {
+        if self.boot.is_some() {
+            return;
+        }
         self.out.extend(self.rig.output());
         // The first host hears how it was switched on; later ones do not hear what was said to nobody.
         if !self.open && self.ever_open {

@@ -49,10 +49,11 @@ pub mod script;
 pub mod settings;
 mod switches;
 pub mod tcp;
+mod telnet;
 
 pub use fault::{Faults, Side, Tally};
 pub use fault_plan::{Deed, FaultError, FaultPlan, Noise, When};
-pub use front::{Front, News, Pace, Readout};
+pub use front::{Front, News, Opening, Pace, Readout};
 pub use pins::{Pins, Switches};
 pub use profile::{Profile, Quirks};
 pub use pty::{Pty, PtyError};

@@ -149,6 +149,11 @@ impl Rig {
         }
     }
 
+    /// More bytes are on their way than a driver takes ahead of its line: a host would have to wait.
+    pub fn is_choked(&self) -> bool {
+        self.controller.cable.is_choked() || self.faults.is_choked()
+    }
+
     /// Axes move or a queue waits to.
     pub fn is_moving(&self) -> bool {
         self.off_until.is_none() && self.controller.is_moving()

@@ -348,9 +348,10 @@ impl Block {
             false => hundredths_of(word.value),
         };
         let Some(meaning) = key.and_then(|k| rules.m(k)) else {
-            return fault(match word.value.fract() != 0.0 {
-                true => Complaint::Fraction { code },
-                false => Complaint::UnsupportedCode { code },
+            return fault(match (word.value.fract() != 0.0, rules.other_m) {
+                (true, _) => Complaint::Fraction { code },
+                (false, Some(why)) => RuleComplaint::Refused { code, why }.into(),
+                (false, None) => Complaint::UnsupportedCode { code },
             });
         };
         let group = match meaning {

@@ -8,9 +8,9 @@ use super::block::{AXES, Block};
 use super::codes::{AxisUser, Group, Letters, NonModal, Path, ToolLength};
 use super::cycle::{self, Holes, Series};
 use super::dialect::Dialect;
-use super::error::{Complaint, Fault};
+use super::error::{Code, Complaint, Fault};
 use super::event::{Arc, MotionKind, Plane};
-use super::rules::{OffsetTwenty, RuleComplaint, Rules, ToolWord};
+use super::rules::{OffsetTwenty, RuleComplaint, Rules, TOOL_TABLE, ToolWord};
 use super::state::{Distance, FeedMode, MotionMode, Probe, State, Units};
 use crate::geom::{Point, Vector};
 use crate::units::{MmPerMin, Rpm, Seconds};
@@ -190,6 +190,11 @@ pub(super) fn check(state: &State, block: &Block, line: Line) -> Result<Plan, Fa
         Some(f) if rapid_f => f * mm,
         _ => state.rapid_feed.0,
     };
+    // No tool was ever named: which one the machine would put in is not known.
+    if block.tool_change && rules.tool_named && !block.has(b'T') && state.tool == 0 {
+        let (command, word) = ("M6", "T (which tool), in its line or before it: the");
+        return at_group(Group::ToolChange, Complaint::ValueMissing { command, word });
+    }
     let dwell = waits.map(|(_, time)| Seconds(time));
     if let Some(letter) = dwell_letter {
         unused.0 = unused.0.without(single(letter));
@@ -685,6 +690,13 @@ fn set_table_offset(
 ) -> Result<Offsets, Fault> {
     let here = |complaint| Err(Fault::at(block.group_at(Group::NonModal), complaint));
     if !axes.any() {
+        // Fanuc and its kin: tool lengths and radii, by R.
+        if rules.offsets_add && block.has(b'R') {
+            let (letter, why) = ('G', TOOL_TABLE);
+            let number = 10.0;
+            let code = Code { letter, number };
+            return here(RuleComplaint::Refused { code, why }.into());
+        }
         return here(Complaint::AxisWordsMissing { command: "G10" });
     }
     if !block.has(b'P') || !block.has(b'L') {

@@ -14,6 +14,7 @@
 
 use super::block::Block;
 use super::codes::Letters;
+use super::dialect::Dialect;
 use super::error::{Complaint, Fault};
 use super::event::{Event, Motion, MotionKind, Plane};
 use super::rules::{RuleComplaint, Unit};
@@ -243,12 +244,7 @@ pub(super) fn plan(
         }
         count = value as u32;
         if count == 0 && (block.has(b'X') || block.has(b'Y')) {
-            return at(
-                letter,
-                RuleComplaint::CycleWord {
-                    word: "no X and Y beside no repeats",
-                },
-            );
+            return at(letter, RuleComplaint::CycleNoHole);
         }
     }
     let place = b"XYZR".iter().any(|&l| block.has(l));
@@ -272,6 +268,14 @@ pub(super) fn plan(
         return here(RuleComplaint::CycleWord {
             word: "Z and R anew, since G90 and G91 changed",
         });
+    }
+    if pecks && state.dialect == Dialect::Haas {
+        // Haas Mill Operator's Manual, G73 and G83: I J K instead of Q.
+        if let Some(&letter) = b"IJK".iter().find(|&&l| block.has(l)) {
+            let why = "pecks that grow smaller (I J K) are not read; give one depth by Q";
+            let letter = char::from(letter);
+            return at(letter as u8, RuleComplaint::RefusedWord { letter, why });
+        }
     }
     let q = match pecks {
         true => series.q.ok_or_else(|| missing("Q (the depth of a peck)"))?,

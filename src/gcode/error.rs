@@ -59,11 +59,24 @@ impl std::fmt::Display for Code {
     }
 }
 
+/// What to do about a character that opens no word.
+fn stray(found: char) -> &'static str {
+    match found {
+        '/' => "a slash that skips the line stands at its very front; move or remove it",
+        '$' => "lines of $ are for the console and not for programs; remove the line",
+        '?' | '!' | '~' => "it is for the console and not for programs; remove it",
+        '{' => "JSON is for the console and not for programs; keep the G-code in it alone",
+        '#' => "variables are not read in this dialect; write the numbers",
+        '[' => "expressions are not read in this dialect; write the numbers",
+        _ => "remove it",
+    }
+}
+
 /// What is wrong with a block. The doc of each variant names the situation in GRBL's words.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Complaint {
     /// GRBL: expected command letter. Something stands where a word's letter should.
-    #[error("found {found:?} where a word (a letter and a number) should begin: remove it")]
+    #[error("found {found:?} where a word (a letter and a number) should begin: {}", stray(*found))]
     ExpectedLetter {
         /// What stands there.
         found: char,
@@ -126,7 +139,9 @@ pub enum Complaint {
     )]
     FeedMissing,
     /// GRBL: command value not an integer, as in G1.5 or M3.1.
-    #[error("{code} has a fraction, and this command has none: write a whole number")]
+    #[error(
+        "{code} is not a command of this controller, and without its fraction it would mean something else: post the program for this dialect"
+    )]
     Fraction {
         /// The code.
         code: Code,

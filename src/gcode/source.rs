@@ -9,6 +9,10 @@ use std::io::{self, BufRead, Seek, SeekFrom};
 /// Bytes of a line that are kept.
 pub const LONGEST: usize = 1 << 20;
 
+/// Anything that can be read by lines and wound back.
+pub trait TextReader: BufRead + Seek + Send {}
+impl<T: BufRead + Seek + Send> TextReader for T {}
+
 /// Where a line begins.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LineStart {

@@ -6,7 +6,7 @@
 
 use super::dialect::Dialect;
 use super::error::{Complaint, Fault};
-use super::rules::BlockDelete;
+use super::rules::{BlockDelete, RuleComplaint};
 use nom::bytes::complete::{take_till, take_while};
 use nom::{IResult, Parser};
 
@@ -176,6 +176,18 @@ impl<'a> Words<'a> {
             let digits = [before, behind.first()].map(|b| b.is_some_and(u8::is_ascii_digit));
             if first == b',' && digits == [true, true] {
                 return Some(Err(Fault::at(start, Complaint::DecimalComma)));
+            }
+            // Fanuc's optional corners; GRBL answers such a line as it answers any stray character.
+            let corner = behind.first().map(u8::to_ascii_uppercase);
+            if first == b','
+                && !self.dialect.rules().firmware
+                && let Some(letter @ (b'C' | b'R' | b'A')) = corner
+            {
+                let letter = char::from(letter);
+                return Some(Err(Fault::at(
+                    start,
+                    RuleComplaint::CommaWord { letter }.into(),
+                )));
             }
             let found = String::from_utf8_lossy(&at[..at.len().min(4)])
                 .chars()

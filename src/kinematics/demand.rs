@@ -9,8 +9,8 @@
 //! modelled: the firmware's time to parse a line (a few ms on 8-bit boards), and that a planner with few blocks in it already slows
 //! down before it runs dry.
 
-use crate::units::Seconds;
 use serde::Serialize;
+use std::collections::{BTreeMap, VecDeque};
 
 /// The cable and the buffers at its far end.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,10 +40,6 @@ pub struct LinkDemand {
     pub starved_share: f64,
 }
 
-/// Windows are laid this far apart, s, and at most so many of them.
-const WINDOW_STEP: f64 = 0.1;
-const MOST_WINDOWS: f64 = 1e6;
-
 /// A line that moves something, with the bytes of the lines before it that do not.
 #[derive(Clone, Copy)]
 struct Line {
@@ -51,206 +47,290 @@ struct Line {
     time: f64,
 }
 
-/// Feeds the lines of a program (bytes with their ends) that take `seconds` (by line, as in [`super::Times::per_line`]) through a link.
-/// Linear in the number of lines.
+/// Feeds the lines of a program (bytes with their ends) that take `seconds` (by line, as in [`super::line_times`]) through a link: a fold
+/// over [`Demand`].
 pub fn link_demand(bytes: impl Iterator<Item = usize>, seconds: &[f64], feed: &Feed) -> LinkDemand {
-    let mut lines: Vec<Line> = Vec::new();
-    let mut pending = 0;
-    for (i, b) in bytes.enumerate() {
-        pending += b;
-        let time = seconds.get(i).copied().unwrap_or(0.0);
-        if time > 0.0 {
-            lines.push(Line {
-                bytes: pending,
-                time,
-            });
-            pending = 0;
+    let mut demand = Demand::new(feed);
+    for (i, bytes) in bytes.enumerate() {
+        demand.line(bytes, seconds.get(i).copied().unwrap_or(0.0));
+    }
+    demand.finish()
+}
+
+/// A program's lines, one by one, through a link. Memory: the lines of one second, and those that planner and receive buffer hold.
+pub struct Demand {
+    bytes_per_s: f64,
+    /// Bytes of lines that move nothing: they take the way of the line behind them.
+    pending: usize,
+    /// Seconds so far.
+    total: f64,
+    rate: Rate,
+    busiest: Busiest,
+    waiting: Waiting,
+}
+
+impl Demand {
+    /// A link that has carried nothing yet.
+    pub fn new(feed: &Feed) -> Demand {
+        Demand {
+            bytes_per_s: feed.bytes_per_s,
+            pending: 0,
+            total: 0.0,
+            rate: Rate::default(),
+            busiest: Busiest::new(feed),
+            waiting: Waiting::new(feed),
         }
     }
-    let (p99, max) = lines_per_second(&lines);
-    let Seconds(starved) = starved(&lines, feed);
-    let total: f64 = lines.iter().map(|l| l.time).sum();
-    LinkDemand {
-        lines_per_s_p99: p99,
-        lines_per_s_max: max,
-        bytes_per_s_needed: busiest_bytes(&lines, feed),
-        bytes_per_s_link: feed.bytes_per_s,
-        starved_s: starved,
-        starved_share: if total > 0.0 { starved / total } else { 0.0 },
+
+    /// The next line of the program: its bytes, with its end, and the seconds it takes.
+    pub fn line(&mut self, bytes: usize, seconds: f64) {
+        self.pending += bytes;
+        // A pause without end is nothing that a link could be late for.
+        if seconds > 0.0 && seconds.is_finite() {
+            let line = Line {
+                bytes: std::mem::take(&mut self.pending),
+                time: seconds,
+            };
+            let begin = self.total;
+            self.total += seconds;
+            self.rate.line(begin, self.total);
+            self.busiest.line(line);
+            self.waiting.line(line);
+        }
+    }
+
+    /// What they needed, and whether they got it.
+    pub fn finish(self) -> LinkDemand {
+        let (p99, max) = self.rate.finish();
+        let starved = self.waiting.starved;
+        LinkDemand {
+            lines_per_s_p99: p99,
+            lines_per_s_max: max,
+            bytes_per_s_needed: self.busiest.finish(),
+            bytes_per_s_link: self.bytes_per_s,
+            starved_s: starved,
+            starved_share: match self.total > 0.0 {
+                true => starved / self.total,
+                false => 0.0,
+            },
+        }
     }
 }
 
-/// Lines begun per second, by windows of 1 s: the 99th percentile and the highest.
-fn lines_per_second(lines: &[Line]) -> (f64, f64) {
-    let mut begins = Vec::with_capacity(lines.len());
-    let mut total = 0.0;
-    for l in lines {
-        begins.push(total);
-        total += l.time;
-    }
-    // The busiest window begins with a line.
-    let mut max = 0;
-    let mut end = 0;
-    for (i, b) in begins.iter().enumerate() {
-        while begins.get(end).is_some_and(|t| *t < b + 1.0) {
-            end += 1;
+/// Windows of one second are laid this far apart, s.
+const WINDOW_STEP: f64 = 0.1;
+/// Windows looked at; no machine runs that long, and whole numbers run out some way behind.
+const MOST_WINDOWS: f64 = 1e15;
+
+/// Lines begun per second, by windows of 1 s.
+#[derive(Default)]
+struct Rate {
+    /// Lines so far.
+    lines: usize,
+    /// Beginnings in the last second, with the number of the first of them: each opens a window that is not over yet.
+    open: VecDeque<f64>,
+    /// Most lines in a window that is over.
+    max: usize,
+    /// Beginnings that windows of the raster may still hold.
+    begins: VecDeque<f64>,
+    /// The next window of the raster.
+    window: f64,
+    /// Windows of the raster by how many lines begin in them.
+    counts: BTreeMap<usize, u64>,
+}
+
+impl Rate {
+    /// A line from `begin` to `end`, s.
+    fn line(&mut self, begin: f64, end: f64) {
+        // The busiest window begins with a line.
+        while self.open.front().is_some_and(|first| begin >= first + 1.0) {
+            self.max = self.max.max(self.open.len());
+            self.open.pop_front();
         }
-        max = max.max(end - i);
-    }
-    let step = WINDOW_STEP.max(total / MOST_WINDOWS);
-    let (mut from, mut to, mut k) = (0, 0, 0.0);
-    let mut counts: Vec<usize> = Vec::new();
-    while k * step + 1.0 <= total {
-        let start = k * step;
-        while begins.get(from).is_some_and(|t| *t < start) {
-            from += 1;
+        self.open.push_back(begin);
+        self.begins.push_back(begin);
+        self.lines += 1;
+        // No line to come begins in a window that ends before this line does.
+        while self.window < MOST_WINDOWS && self.window * WINDOW_STEP + 1.0 <= end {
+            let start = self.window * WINDOW_STEP;
+            while self.begins.front().is_some_and(|t| *t < start) {
+                self.begins.pop_front();
+            }
+            if self.begins.is_empty() {
+                return self.quiet(end);
+            }
+            *self.counts.entry(self.begins.len()).or_default() += 1;
+            self.window += 1.0;
         }
-        while begins.get(to).is_some_and(|t| *t < start + 1.0) {
-            to += 1;
+        if self.window >= MOST_WINDOWS {
+            self.begins.clear();
         }
-        counts.push(to - from);
-        k += 1.0;
     }
-    counts.sort_unstable();
-    let p99 = counts.get(counts.len() * 99 / 100).copied().unwrap_or(max);
-    (p99 as f64, max as f64)
+
+    /// No line begins in the windows of the raster from the next one on to `end`.
+    fn quiet(&mut self, end: f64) {
+        let over = |k: f64| k * WINDOW_STEP + 1.0 <= end;
+        let guess = ((end - 1.0) / WINDOW_STEP).floor();
+        let mut next = guess.max(self.window).min(MOST_WINDOWS);
+        while next < MOST_WINDOWS && over(next) {
+            next += 1.0;
+        }
+        while next > self.window && !over(next - 1.0) {
+            next -= 1.0;
+        }
+        let n = self.counts.entry(0).or_default();
+        // Saturates.
+        *n = n.saturating_add((next - self.window) as u64);
+        self.window = next;
+    }
+
+    /// The 99th percentile and the highest.
+    fn finish(self) -> (f64, f64) {
+        let max = self.max.max(self.open.len());
+        let all: u128 = self.counts.values().map(|n| u128::from(*n)).sum();
+        let mut below = all * 99 / 100;
+        let mut p99 = max;
+        for (lines, n) in self.counts {
+            if below < u128::from(n) {
+                p99 = lines;
+                break;
+            }
+            below -= u128::from(n);
+        }
+        (p99 as f64, max as f64)
+    }
 }
 
 /// Bytes per second over stretches just longer than what is buffered.
-fn busiest_bytes(lines: &[Line], feed: &Feed) -> f64 {
-    let mut most: f64 = 0.0;
-    let (mut end, mut bytes, mut time) = (0, 0usize, 0.0);
-    for (i, first) in lines.iter().enumerate() {
-        // The planner's blocks, and behind them more than the receive buffer holds.
-        let planned: usize = lines
-            .iter()
-            .skip(i)
-            .take(feed.blocks.max(1))
-            .map(|l| l.bytes)
-            .sum();
-        while end < lines.len()
-            && (end < i + feed.blocks.max(1) || bytes <= planned + feed.rx_bytes)
-        {
-            bytes += lines[end].bytes;
-            time += lines[end].time;
-            end += 1;
+struct Busiest {
+    blocks: usize,
+    rx_bytes: usize,
+    /// Lines from the beginning of the present stretch on.
+    lines: VecDeque<Line>,
+    /// The first stretch is not over.
+    first: bool,
+    /// How many of them the stretch holds so far, and their bytes and seconds.
+    taken: usize,
+    bytes: usize,
+    time: f64,
+    /// Bytes of the lines that the planner holds at its beginning.
+    planned: usize,
+    most: f64,
+}
+
+impl Busiest {
+    fn new(feed: &Feed) -> Busiest {
+        Busiest {
+            blocks: feed.blocks.max(1),
+            rx_bytes: feed.rx_bytes,
+            lines: VecDeque::new(),
+            first: true,
+            taken: 0,
+            bytes: 0,
+            time: 0.0,
+            planned: 0,
+            most: 0.0,
         }
-        if end < lines.len() || i == 0 {
-            most = most.max(bytes as f64 / f64::max(time, 1e-9));
-        }
-        bytes -= first.bytes;
-        time -= first.time;
     }
-    most
+
+    fn line(&mut self, line: Line) {
+        if self.lines.len() < self.blocks {
+            self.planned += line.bytes;
+        }
+        self.lines.push_back(line);
+        // The planner's blocks, and behind them more than the receive buffer holds.
+        while let Some(next) = self.lines.get(self.taken) {
+            if self.taken < self.blocks || self.bytes <= self.planned.saturating_add(self.rx_bytes)
+            {
+                self.taken += 1;
+                self.bytes += next.bytes;
+                self.time += next.time;
+            } else {
+                self.over();
+            }
+        }
+    }
+
+    /// The stretch is over, and the next begins one line later.
+    fn over(&mut self) {
+        self.rank();
+        let Some(gone) = self.lines.pop_front() else {
+            return;
+        };
+        self.first = false;
+        self.taken -= 1;
+        self.bytes -= gone.bytes;
+        self.time -= gone.time;
+        self.planned -= gone.bytes;
+        self.planned += self.lines.get(self.blocks - 1).map_or(0, |l| l.bytes);
+    }
+
+    fn rank(&mut self) {
+        let rate = self.bytes as f64 / f64::max(self.time, 1e-9);
+        self.most = self.most.max(rate);
+    }
+
+    fn finish(mut self) -> f64 {
+        // A program that fits into the buffers is one stretch.
+        if self.first && self.taken > 0 {
+            self.rank();
+        }
+        self.most
+    }
 }
 
 /// Time the machine waits for lines after the first one.
-fn starved(lines: &[Line], feed: &Feed) -> Seconds {
-    let blocks = feed.blocks.max(1);
-    let n = lines.len();
-    // When a line has left the receive buffer, and when its motion ends.
-    let mut planned = vec![0.0; n];
-    let mut ended = vec![0.0; n];
-    let mut sent = 0.0_f64;
-    // Lines from `oldest` on may still be in the receive buffer.
-    let (mut oldest, mut waiting) = (0, 0usize);
-    let mut starved = 0.0;
-    for (i, l) in lines.iter().enumerate() {
+struct Waiting {
+    feed: Feed,
+    /// Lines that may still be in the receive buffer: when each has left it, and its bytes.
+    received: VecDeque<(f64, usize)>,
+    /// Their bytes.
+    bytes: usize,
+    /// When the motions of the last lines end, as many as there are blocks.
+    ended: VecDeque<f64>,
+    /// When the last line was sent, and when the planner took it, s.
+    sent: f64,
+    planned: f64,
+    starved: f64,
+}
+
+impl Waiting {
+    fn new(feed: &Feed) -> Waiting {
+        Waiting {
+            feed: *feed,
+            received: VecDeque::new(),
+            bytes: 0,
+            ended: VecDeque::new(),
+            sent: 0.0,
+            planned: 0.0,
+            starved: 0.0,
+        }
+    }
+
+    fn line(&mut self, l: Line) {
         // Senders hold a line back until it fits behind those that have not been taken out.
         let mut free_at = 0.0_f64;
-        while oldest < i && waiting + l.bytes > feed.rx_bytes {
-            free_at = planned[oldest];
-            waiting -= lines[oldest].bytes;
-            oldest += 1;
+        while self.bytes + l.bytes > self.feed.rx_bytes
+            && let Some((left, bytes)) = self.received.pop_front()
+        {
+            free_at = left;
+            self.bytes -= bytes;
         }
-        waiting += l.bytes;
-        sent = sent.max(free_at) + l.bytes as f64 / feed.bytes_per_s.max(1e-9);
-        let before = i.checked_sub(1);
-        let room_at = i.checked_sub(blocks).map_or(0.0, |k| ended[k]);
-        let behind = before.map_or(0.0, |k| planned[k]);
-        planned[i] = sent.max(room_at).max(behind);
-        let last_end = before.map_or(planned[i], |k| ended[k]);
-        starved += (planned[i] - last_end).max(0.0);
-        ended[i] = planned[i].max(last_end) + l.time;
+        self.bytes += l.bytes;
+        self.sent = self.sent.max(free_at) + l.bytes as f64 / self.feed.bytes_per_s.max(1e-9);
+        let last_end = self.ended.back().copied();
+        let room_at = match self.ended.len() >= self.feed.blocks.max(1) {
+            true => self.ended.pop_front().unwrap_or(0.0),
+            false => 0.0,
+        };
+        self.planned = self.sent.max(room_at).max(self.planned);
+        let last_end = last_end.unwrap_or(self.planned);
+        self.starved += (self.planned - last_end).max(0.0);
+        self.ended.push_back(self.planned.max(last_end) + l.time);
+        self.received.push_back((self.planned, l.bytes));
     }
-    Seconds(starved)
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use proptest::prelude::*;
-
-    fn feed(bytes_per_s: f64) -> Feed {
-        Feed {
-            bytes_per_s,
-            rx_bytes: 128,
-            blocks: 15,
-        }
-    }
-
-    #[test]
-    fn even_lines_by_hand() {
-        // 1000 lines of 20 bytes, 10 ms each: 100 lines/s, 2000 bytes/s.
-        let times = vec![0.01; 1000];
-        let d = link_demand((0..1000).map(|_| 20), &times, &feed(11_520.0));
-        assert!((d.lines_per_s_max - 100.0).abs() <= 1.0, "{d:?}");
-        assert!((d.lines_per_s_p99 - 100.0).abs() <= 1.0, "{d:?}");
-        assert!((d.bytes_per_s_needed - 2000.0).abs() < 1.0, "{d:?}");
-        assert_eq!(d.starved_s, 0.0);
-        // Half of what is needed: the machine waits as long as it moves, less what is in the buffers at the end.
-        let d = link_demand((0..1000).map(|_| 20), &times, &feed(1000.0));
-        assert!((d.starved_s - 10.0).abs() < 0.1, "{d:?}");
-        assert!((d.starved_share - 1.0).abs() < 0.01);
-    }
-
-    #[test]
-    fn buffers_carry_a_short_burst_and_no_long_one() {
-        // Slow lines, then a burst of fast ones, then slow again. 11.52 kB/s carries 576 lines of 20 bytes a second.
-        let program = |burst: usize| -> Vec<f64> {
-            let mut t = vec![0.1; 40];
-            t.extend(vec![0.001; burst]);
-            t.extend(vec![0.1; 40]);
-            t
-        };
-        let run = |burst: usize| {
-            let t = program(burst);
-            link_demand(t.iter().map(|_| 20), &t, &feed(11_520.0))
-        };
-        assert_eq!(run(15).starved_s, 0.0);
-        let d = run(400);
-        assert!(
-            d.starved_s > 0.2 && d.bytes_per_s_needed > 11_520.0,
-            "{d:?}"
-        );
-    }
-
-    #[test]
-    fn nothing_needs_nothing() {
-        let d = link_demand(std::iter::empty(), &[], &feed(11_520.0));
-        assert_eq!(
-            (d.lines_per_s_max, d.bytes_per_s_needed, d.starved_s),
-            (0.0, 0.0, 0.0)
-        );
-        // Comments take the way of the line behind them.
-        let d = link_demand([60, 20].into_iter(), &[0.0, 2.0], &feed(11_520.0));
-        assert_eq!((d.lines_per_s_max, d.bytes_per_s_needed), (1.0, 40.0));
-    }
-
-    proptest! {
-        #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
-        /// A faster link never makes the machine wait longer, and one fast enough for every line by itself never at all.
-        #[test]
-        fn faster_is_never_worse(t in proptest::collection::vec((0.0005..0.05f64, 5usize..60), 1..300), speed in 500.0..20_000.0f64) {
-            let times: Vec<f64> = t.iter().map(|x| x.0).collect();
-            let bytes = || t.iter().map(|x| x.1);
-            let slow = link_demand(bytes(), &times, &feed(speed));
-            let fast = link_demand(bytes(), &times, &feed(1.5 * speed));
-            prop_assert!(fast.starved_s <= slow.starved_s + 1e-9);
-            prop_assert_eq!(fast.lines_per_s_max, slow.lines_per_s_max);
-            let enough = t.iter().map(|x| x.1 as f64 / x.0).fold(0.0, f64::max);
-            // The first line behind a stand must not come late either: as long as the link is never slower than the machine.
-            prop_assert!(link_demand(bytes(), &times, &feed(60.0 / 0.0005 + enough)).starved_s < 1e-9);
-        }
-    }
-}
+#[path = "demand_tests.rs"]
+mod tests;

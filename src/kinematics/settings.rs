@@ -22,9 +22,6 @@ pub struct Settings {
     pub idle_delay: Seconds,
 }
 
-/// GRBL's `$1` as shipped.
-const IDLE_DELAY: Seconds = Seconds(0.025);
-
 impl From<&Machine> for Settings {
     fn from(m: &Machine) -> Settings {
         Settings {
@@ -34,7 +31,7 @@ impl From<&Machine> for Settings {
             junction_deviation: m.junction_deviation,
             arc_tolerance: m.arc_tolerance,
             blocks: m.planner_blocks,
-            idle_delay: IDLE_DELAY,
+            idle_delay: m.idle_delay,
         }
     }
 }

@@ -1,8 +1,9 @@
 //! How long a program takes on a machine that is never kept waiting for the next line.
 //!
-//! Crosses the border: events in, seconds out. Modelled: the look-ahead window, corners, accelerations, arcs as chords, whole steps,
-//! standstills with the motors' idle delay, dwells. *Not* modelled: the link's and the parser's speed, overrides, operator stops,
-//! homing, and where a probe really touches (the whole way is counted).
+//! Crosses the border: events in, one by one, seconds out, by line and in sum. Memory does not grow with the program. Modelled: the
+//! look-ahead window, corners, accelerations, arcs as chords, whole steps, standstills with the motors' idle delay, dwells. *Not*
+//! modelled: the link's and the parser's speed, overrides, operator stops, homing, and where a probe really touches (the whole way is
+//! counted).
 
 use super::chord::chords;
 use super::planner::{Block, Speed, Target};
@@ -15,7 +16,7 @@ use crate::units::Seconds;
 const DWELL_STEP: f64 = 0.05;
 
 /// Where the time goes. `total` is the sum of cutting, air, dwell and idle.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Times {
     /// Everything.
     pub total: Seconds,
@@ -31,107 +32,147 @@ pub struct Times {
     pub motion: MotionQuality,
     /// Its turns of more than 30 degrees, the first [`SHARP_KEPT`](super::quality::SHARP_KEPT) of them.
     pub sharp_turns: Vec<SharpTurn>,
-    /// Seconds by line of the program: line n is element n - 1. As long as the last line that does anything.
-    pub per_line: Vec<f64>,
 }
 
-/// The time of a program, and how well it moves. One pass; a few hundred nanoseconds a line.
+/// The time of a program that is in memory, and how well it moves: a fold over [`Clock`].
 pub fn program_time(events: &[Event], settings: &Settings) -> Times {
-    let mut clock = Clock {
-        run: Run::new(settings),
-        times: Times {
-            total: Seconds(0.0),
-            cutting: Seconds(0.0),
-            air: Seconds(0.0),
-            dwell: Seconds(0.0),
-            idle: Seconds(0.0),
-            motion: MotionQuality::default(),
-            sharp_turns: Vec::new(),
-            per_line: vec![0.0; events.iter().map(Event::line).max().unwrap_or(0)],
-        },
-        settled: true,
-        reseat: true,
+    let mut clock = Clock::new(settings);
+    for event in events {
+        clock.hear(event, &mut |_, _| {});
+    }
+    clock.finish(&mut |_, _| {})
+}
+
+/// Seconds by line of the program: line n is element n - 1. As long as the last line that does anything.
+pub fn line_times(events: &[Event], settings: &Settings) -> Vec<f64> {
+    let mut lines = vec![0.0; events.iter().map(Event::line).max().unwrap_or(0)];
+    let mut add = |line: usize, time: f64| {
+        if let Some(t) = line.checked_sub(1).and_then(|i| lines.get_mut(i)) {
+            *t += time;
+        }
     };
-    let mut upright = Upright::default();
-    for (i, event) in events.iter().enumerate() {
-        match event {
-            Event::Motion(motion) => {
-                let purpose = upright.purpose(events, i, motion);
-                clock.travel(motion, None, purpose);
-            }
-            Event::Probe { motion, .. } => {
-                upright.after_feed = false;
-                clock.stop(motion.line);
-                clock.travel(motion, Some(Speed::Fixed(motion.feed)), Purpose::Air);
-                clock.stop(motion.line);
-            }
-            &Event::Dwell { time, line } => {
-                clock.stop(line);
-                let steps = (time.0 / DWELL_STEP).ceil().max(0.0);
-                let time = Seconds(steps * DWELL_STEP);
-                clock.times.dwell += time;
-                clock.run.wait(time.0);
-                clock.times.spend(time, line);
-            }
-            Event::Pause { optional: true, .. } => {}
-            Event::Pause { line, .. }
-            | Event::Spindle { line, .. }
-            | Event::Coolant { line, .. }
-            | Event::ToolChange { line, .. }
-            | Event::Sync { line }
-            | Event::End { line } => clock.stop(*line),
+    let mut clock = Clock::new(settings);
+    for event in events {
+        clock.hear(event, &mut add);
+    }
+    clock.finish(&mut add);
+    lines
+}
+
+/// Is told a line of the program and seconds that go to it. A line may be told several times, in parts; lines come in the order in which
+/// they are run, some blocks behind the events.
+pub type Spent<'a> = &'a mut dyn FnMut(usize, f64);
+
+/// Times a program that comes event by event. Memory: the planner's window, and what [`MOST_HELD`] says; whatever the program's length.
+pub struct Clock {
+    upright: Upright,
+    stroke: Stroke,
+}
+
+impl Clock {
+    /// A machine with these settings that stands still.
+    pub fn new(settings: &Settings) -> Clock {
+        Clock {
+            upright: Upright::default(),
+            stroke: Stroke {
+                run: Run::new(settings),
+                times: Times::default(),
+                settled: true,
+                reseat: true,
+            },
         }
     }
-    clock
-        .run
-        .standstill(&mut |b, t, p| clock.times.ran(b, t, p));
-    clock.times.motion = clock.run.quality();
-    clock.times.sharp_turns = std::mem::take(&mut clock.run.way.kept);
-    clock.times
+
+    /// The next event. `spent` is told what becomes certain by it.
+    pub fn hear(&mut self, event: &Event, spent: Spent) {
+        let stroke = &mut self.stroke;
+        self.upright.hear(event, &mut |event, purpose| {
+            stroke.event(event, purpose, spent)
+        });
+    }
+
+    /// Seconds of the program that are certain: those of what has left the planner's window.
+    pub fn so_far(&self) -> Seconds {
+        self.stroke.times.total
+    }
+
+    /// No more events: everything runs out.
+    pub fn finish(mut self, spent: Spent) -> Times {
+        let stroke = &mut self.stroke;
+        self.upright
+            .finish(&mut |event, purpose| stroke.event(event, purpose, spent));
+        let Stroke { run, times, .. } = &mut self.stroke;
+        run.standstill(&mut |b, t, p| times.ran(b, t, p, spent));
+        let mut times = self.stroke.times;
+        times.motion = self.stroke.run.quality();
+        times.sharp_turns = std::mem::take(&mut self.stroke.run.way.kept);
+        times
+    }
 }
 
-/// Tells plunges and withdrawals from cuts: runs of upright feed moves that begin or end in the air.
+/// Events held back at most until it is known what a run of upright feed moves is for; a longer run behind a cut is a cut.
+pub const MOST_HELD: usize = 4096;
+
+/// Tells plunges and withdrawals from cuts: runs of upright feed moves that begin or end in the air. Whether a run that begins at a cut
+/// ends in the air is known only behind it: so long its events are held back.
 #[derive(Default)]
 struct Upright {
     /// The last motion was at feed.
     after_feed: bool,
-    /// Where the present run ends in the list of events, and what it is for.
-    run: Option<(usize, Purpose)>,
+    /// What the present run is for, once it is known.
+    run: Option<Purpose>,
+    /// The run's events so far while it is not known, its first motion first.
+    held: Vec<Event>,
 }
 
+/// Is told an event, and what it is for if it is a motion.
+type Told<'a> = &'a mut dyn FnMut(&Event, Purpose);
+
 impl Upright {
-    fn purpose(&mut self, events: &[Event], i: usize, motion: &Motion) -> Purpose {
-        let after_feed = std::mem::replace(&mut self.after_feed, motion.kind == MotionKind::Feed);
-        if motion.kind == MotionKind::Rapid {
-            return Purpose::Air;
-        }
-        if !upright(motion) {
-            return Purpose::Cut;
-        }
-        match self.run {
-            Some((end, purpose)) if i < end => purpose,
-            _ => {
-                // Looks ahead once per run, over anything that does not move.
-                let next = events
-                    .iter()
-                    .enumerate()
-                    .skip(i)
-                    .find_map(|(k, e)| match e {
-                        Event::Motion(m) if m.kind == MotionKind::Feed && upright(m) => None,
-                        Event::Motion(m) => Some((k, m.kind == MotionKind::Feed)),
-                        Event::Probe { .. } => Some((k, false)),
-                        _ => None,
-                    });
-                let (end, before_feed) = next.unwrap_or((events.len(), false));
-                let purpose = if after_feed && before_feed {
+    fn hear(&mut self, event: &Event, tell: Told) {
+        let purpose = match event {
+            Event::Motion(m) if m.kind == MotionKind::Feed => {
+                let after_feed = std::mem::replace(&mut self.after_feed, true);
+                if !upright(m) {
+                    self.end(Purpose::Cut, tell);
                     Purpose::Cut
+                } else if let Some(purpose) = self.run {
+                    purpose
+                } else if self.held.is_empty() && !after_feed {
+                    *self.run.insert(Purpose::Plunge)
                 } else {
-                    Purpose::Plunge
-                };
-                self.run = Some((end, purpose));
-                purpose
+                    return self.hold(event, tell);
+                }
             }
+            Event::Motion(_) | Event::Probe { .. } => {
+                self.after_feed = false;
+                self.end(Purpose::Plunge, tell);
+                Purpose::Air
+            }
+            _ if !self.held.is_empty() => return self.hold(event, tell),
+            _ => Purpose::Air,
+        };
+        tell(event, purpose);
+    }
+
+    fn hold(&mut self, event: &Event, tell: Told) {
+        self.held.push(event.clone());
+        if self.held.len() >= MOST_HELD {
+            self.end(Purpose::Cut, tell);
+            self.run = Some(Purpose::Cut);
         }
+    }
+
+    /// The run is over, and was for this if that was not known.
+    fn end(&mut self, purpose: Purpose, tell: Told) {
+        self.run = None;
+        for event in self.held.drain(..) {
+            tell(&event, purpose);
+        }
+    }
+
+    fn finish(&mut self, tell: Told) {
+        self.end(Purpose::Plunge, tell);
     }
 }
 
@@ -140,24 +181,23 @@ fn upright(m: &Motion) -> bool {
 }
 
 impl Times {
-    fn spend(&mut self, time: Seconds, line: usize) {
+    fn spend(&mut self, time: Seconds, line: usize, spent: Spent) {
         self.total += time;
-        if let Some(t) = line.checked_sub(1).and_then(|i| self.per_line.get_mut(i)) {
-            *t += time.0;
-        }
+        spent(line, time.0);
     }
 
-    fn ran(&mut self, block: &Block, time: f64, purpose: Purpose) {
+    fn ran(&mut self, block: &Block, time: f64, purpose: Purpose, spent: Spent) {
         let time = Seconds(time);
         match purpose {
             Purpose::Air => self.air += time,
             Purpose::Plunge | Purpose::Cut | Purpose::Link => self.cutting += time,
         }
-        self.spend(time, block.line);
+        self.spend(time, block.line, spent);
     }
 }
 
-struct Clock {
+/// The planner with what stops it.
+struct Stroke {
     run: Run,
     times: Times,
     /// Nothing has moved since the last standstill.
@@ -166,22 +206,49 @@ struct Clock {
     reseat: bool,
 }
 
-impl Clock {
+impl Stroke {
+    fn event(&mut self, event: &Event, purpose: Purpose, spent: Spent) {
+        match event {
+            Event::Motion(motion) => self.travel(motion, None, purpose, spent),
+            Event::Probe { motion, .. } => {
+                self.stop(motion.line, spent);
+                self.travel(motion, Some(Speed::Fixed(motion.feed)), Purpose::Air, spent);
+                self.stop(motion.line, spent);
+            }
+            &Event::Dwell { time, line } => {
+                self.stop(line, spent);
+                let steps = (time.0 / DWELL_STEP).ceil().max(0.0);
+                let time = Seconds(steps * DWELL_STEP);
+                self.times.dwell += time;
+                self.run.wait(time.0);
+                self.times.spend(time, line, spent);
+            }
+            Event::Pause { optional: true, .. } => {}
+            Event::Pause { line, .. }
+            | Event::Spindle { line, .. }
+            | Event::Coolant { line, .. }
+            | Event::ToolChange { line, .. }
+            | Event::Sync { line }
+            | Event::End { line } => self.stop(*line, spent),
+        }
+    }
+
     /// Standstill: everything runs out, and the motors are held for a moment if anything moved.
-    fn stop(&mut self, line: usize) {
+    fn stop(&mut self, line: usize, spent: Spent) {
         let times = &mut self.times;
-        self.run.standstill(&mut |b, t, p| times.ran(b, t, p));
+        self.run
+            .standstill(&mut |b, t, p| times.ran(b, t, p, spent));
         if !self.settled {
             let idle = self.run.settings().idle_delay;
             self.times.idle += idle;
             self.run.wait(idle.0);
-            self.times.spend(idle, line);
+            self.times.spend(idle, line, spent);
         }
         self.settled = true;
         self.reseat = true;
     }
 
-    fn travel(&mut self, motion: &Motion, speed: Option<Speed>, purpose: Purpose) {
+    fn travel(&mut self, motion: &Motion, speed: Option<Speed>, purpose: Purpose, spent: Spent) {
         if self.reseat {
             self.run.seat(&motion.from);
             self.reseat = false;
@@ -195,7 +262,7 @@ impl Clock {
         match &motion.arc {
             None => {
                 self.run.way.straight(purpose, from, &to, line);
-                self.push(Target { to, speed, line }, purpose);
+                self.push(Target { to, speed, line }, purpose, spent);
             }
             Some(arc) => {
                 self.run.way.arc(purpose, from, &to, arc, line);
@@ -208,17 +275,17 @@ impl Clock {
                     other => other,
                 };
                 for to in chords {
-                    self.push(Target { to, speed, line }, purpose);
+                    self.push(Target { to, speed, line }, purpose, spent);
                 }
             }
         }
     }
 
-    fn push(&mut self, target: Target, purpose: Purpose) {
+    fn push(&mut self, target: Target, purpose: Purpose, spent: Spent) {
         let times = &mut self.times;
-        let moves = self
-            .run
-            .push(target, purpose, &mut |b, t, p| times.ran(b, t, p));
+        let moves = self.run.push(target, purpose, &mut |b, t, p| {
+            times.ran(b, t, p, spent);
+        });
         self.settled &= !moves;
     }
 }
@@ -296,7 +363,7 @@ mod tests {
                     off.abs() < 0.005,
                     "{name}: {total:.3} s, measured {measured:.3} s"
                 );
-                let lines: f64 = times.per_line.iter().sum();
+                let lines: f64 = line_times(&program.events, settings).iter().sum();
                 assert!((lines - total).abs() < 1e-6);
             }
         }
@@ -317,11 +384,17 @@ mod tests {
         assert!((t.air.0 - 2.0).abs() < 1e-9);
         assert!((t.idle.0 - 0.05).abs() < 1e-9);
         assert!((t.total.0 - 3.3).abs() < 1e-9);
-        assert_eq!(t.per_line.len(), 4);
-        assert!((t.per_line[1] - 0.175).abs() < 1e-9);
+        let lines = line_times(
+            &interpret("G1X10F600\nG4P0.11\nG0X110\nM30\n", Dialect::Grbl)
+                .unwrap()
+                .events,
+            &s,
+        );
+        assert_eq!(lines.len(), 4);
+        assert!((lines[1] - 0.175).abs() < 1e-9);
         // Standing still already: nothing to hold.
         assert_eq!(time("M3S1\nM5\nG4P0\n", &s).total, Seconds(0.0));
-        assert_eq!(time("", &s).per_line.len(), 0);
+        assert_eq!(line_times(&[], &s).len(), 0);
     }
 
     #[test]

@@ -1,9 +1,9 @@
 //! The machine file: its keys, units in their names, and the bounds of every figure.
 
-use super::Machine;
 use super::data::{Bounds, DataError, Reader};
 use super::family::{CONTROLLERS, Family, Kind, Need, OPTIONAL_KEYS, STAND_IN, need};
 use super::row::Row;
+use super::{IDLE_DELAY, Machine};
 use crate::units::{Mm, MmPerMin, MmPerSec2, Rpm};
 use serde::Deserialize;
 use toml::Spanned;
@@ -145,6 +145,7 @@ pub(super) fn read(name: &str, file: &str, text: &str) -> Result<Machine, DataEr
         junction_deviation,
         arc_tolerance,
         planner_blocks,
+        idle_delay: IDLE_DELAY,
         rx_buffer,
         spindle,
         baud,

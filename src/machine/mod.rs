@@ -19,7 +19,7 @@ pub use data::{DataError, Place};
 pub use family::{CONTROLLERS, Family};
 pub use settings_file::SettingsFile;
 
-use crate::units::{Mm, MmPerMin, MmPerSec2, Rpm};
+use crate::units::{Mm, MmPerMin, MmPerSec2, Rpm, Seconds};
 
 /// A 3-axis machine. Every figure is finite and above zero unless said otherwise. Arrays are X, Y, Z.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,6 +48,8 @@ pub struct Machine {
     pub arc_tolerance: Mm,
     /// Blocks of look-ahead the planner can hold (GRBL: 15 usable).
     pub planner_blocks: usize,
+    /// How long the motors are held after each standstill before anything else happens ($1); [`IDLE_DELAY`] in every machine file.
+    pub idle_delay: Seconds,
     /// Bytes of receive buffer (GRBL: 128).
     pub rx_buffer: usize,
     /// Lowest and highest spindle speed; zero lowest is allowed.
@@ -57,6 +59,9 @@ pub struct Machine {
     /// Keys that the file leaves out: their figures are [`family::STAND_IN`], in the order of [`family::OPTIONAL_KEYS`].
     pub stand_ins: Vec<&'static str>,
 }
+
+/// GRBL's `$1` as shipped.
+pub const IDLE_DELAY: Seconds = Seconds(0.025);
 
 /// The machine used when none is named: a mid-size router whose maker publishes every figure.
 pub const DEFAULT_MACHINE: &str = "longmill-30x30";

@@ -14,7 +14,7 @@
 
 use super::Machine;
 use super::data::{DataError, Place, Reader};
-use crate::units::{Mm, MmPerMin, MmPerSec2, Rpm};
+use crate::units::{Mm, MmPerMin, MmPerSec2, Rpm, Seconds};
 
 /// What a setting's value may be.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -84,6 +84,22 @@ const KNOWN: [Known; 34] = [
     known(132, Kind::AboveZero(20_000.0), "travel of Z, mm"),
 ];
 
+/// What `$number` is, in words, and the unit of its value where it has one.
+pub fn meaning(number: u16) -> Option<(&'static str, Option<&'static str>)> {
+    let known = KNOWN.iter().find(|k| k.number == number)?;
+    Some(match known.title.split_once(", ") {
+        Some((title, unit)) => (title, Some(unit)),
+        None => (known.title, None),
+    })
+}
+
+/// True for a setting that is on or off.
+pub fn is_switch(number: u16) -> bool {
+    KNOWN
+        .iter()
+        .any(|k| k.number == number && k.kind == Kind::Switch)
+}
+
 /// One line of the file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Setting {
@@ -110,6 +126,9 @@ impl SettingsFile {
     pub fn read(file: &str, text: &str) -> Result<SettingsFile, DataError> {
         let mut r = Reader::new(file, text, "");
         let mut settings: Vec<Setting> = Vec::new();
+        // Editors put a byte order mark in front, terminals end lines in each of three ways.
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+        let text = text.replace("\r\n", "\n").replace('\r', "\n");
         for (index, whole) in text.lines().enumerate() {
             if r.complaints.len() >= MOST_COMPLAINTS {
                 break;
@@ -160,7 +179,7 @@ impl SettingsFile {
             .map(|s| s.value)
     }
 
-    /// Puts the figures that a machine has into it: steps, rates, accelerations, travel, junction deviation, arc tolerance, spindle. One
+    /// Puts the figures that a machine has into it: steps, rates, accelerations, travel, junction deviation, arc tolerance, idle delay, spindle. One
     /// limit of the spindle alone that contradicts the machine's other one moves that one, too.
     pub fn apply(&self, machine: &mut Machine) {
         for axis in 0..3usize {
@@ -183,6 +202,10 @@ impl SettingsFile {
         }
         if let Some(v) = self.get(12) {
             machine.arc_tolerance = Mm(v);
+        }
+        if let Some(v) = self.get(1) {
+            // 255 holds the motors for ever, without waiting for it.
+            machine.idle_delay = Seconds(if v >= 255.0 { 0.0 } else { v / 1000.0 });
         }
         let [low, high] = &mut machine.spindle;
         if let Some(v) = self.get(31) {
@@ -344,7 +367,8 @@ fn nearest(key: &str) -> Option<&'static Known> {
 fn is_chatter(text: &str) -> bool {
     text == "ok"
         || text == "$$"
-        || text == ">"
+        // Prompts and echoes of consoles, and the firmware's own of startup lines.
+        || text.starts_with('>')
         || text.starts_with("Grbl ")
         || (text.starts_with('<') && text.ends_with('>'))
         || (text.starts_with('[') && text.ends_with(']'))
@@ -416,6 +440,38 @@ mod tests {
         assert_eq!(m.max_rate[0], MmPerMin(4200.5));
         assert_eq!(m.max_rate[1..], before.max_rate[1..]);
         assert_eq!(m.travel, before.travel);
+    }
+
+    /// What people's editors, terminals and older firmwares make of a dump.
+    #[test]
+    fn marks_line_ends_prompts_and_explanations() {
+        let plain = SettingsFile::read("f", "$1=200\n$110=4000\n$13=1\n").unwrap();
+        for text in [
+            "\u{feff}$1=200\r\n$110=4000\r\n$13=1\r\n",
+            "$1=200\r$110=4000\r$13=1\r",
+            "$1=200 (step idle delay, msec)\n$110=4000.000 (x max rate, mm/min)\n$13=1 (report inches, bool)\nok",
+            "\u{feff}$1 = 200 ; holds long\n$110 = 4000 # X\n$13 = 1",
+        ] {
+            assert_eq!(SettingsFile::read("f", text).unwrap(), plain, "{text:?}");
+        }
+        let console = ">>> $$\n$1=200\n>G20G54:ok\n[MSG:Check Limits]\nok\n";
+        let settings = SettingsFile::read("f", console).unwrap().settings;
+        assert_eq!((settings[0].number, settings[0].line), (1, 2));
+        // A mark is no column, and a line end of two characters is no line.
+        assert_eq!(
+            refused("\u{feff}$1=200\r\n$1=25\r\n"),
+            "mill.txt:2:1: $1 stands in line 1 already: keep one of them"
+        );
+    }
+
+    #[test]
+    fn the_idle_delay_reaches_the_clock() {
+        let mut m = Machine::load(crate::machine::DEFAULT_MACHINE).unwrap();
+        assert_eq!(m.idle_delay, Seconds(0.025));
+        for (text, delay) in [("$1=200", 0.2), ("$1=0", 0.0), ("$1=255", 0.0)] {
+            SettingsFile::read("f", text).unwrap().apply(&mut m);
+            assert_eq!(m.idle_delay, Seconds(delay), "{text}");
+        }
     }
 
     #[test]

@@ -2,9 +2,11 @@
 //!
 //! A move whose spindle stands is judged as a rapid: neither can cut.
 
-use super::dry_run::{DryRunOptions, PartContext, blank, judge};
+use super::dry_run::{DryRunOptions, PartContext, blank};
+use super::judge::judge;
 use super::material::Move;
-use super::report::{Kind, Problem, ProgramFigures};
+use super::moves::Moves;
+use super::report::{Problem, ProgramFigures};
 use crate::geom::{Point, Vector};
 use crate::sweep::{FinishStats, Segment};
 
@@ -39,9 +41,7 @@ pub struct Rehearsal {
 impl Rehearsal {
     /// Something was hit: a gouge, or a move through stock that could not cut.
     pub fn crashed(&self) -> bool {
-        self.problems
-            .iter()
-            .any(|p| matches!(p.kind, Kind::Gouge | Kind::Collision))
+        self.problems.iter().any(|p| p.kind.is_crash())
     }
 }
 
@@ -69,7 +69,7 @@ pub fn judge_driven(
         });
     }
     let mut report = blank(ProgramFigures::default());
-    judge(&moves, part, options, &mut report);
+    judge(&Moves::Held(&moves), part, options, &mut report);
     let problems = report
         .problems
         .into_iter()

@@ -3,6 +3,7 @@
 use super::depth::Depth;
 use super::dry_run::PartContext;
 use super::material::Move;
+use super::moves::Moves;
 use crate::geom::{Box3, Point, Vector};
 use crate::reach::Hint;
 use rayon::prelude::*;
@@ -59,11 +60,28 @@ fn over(bounds: &Box3, radius: f64, a: &Point, d: &Vector, n: usize) -> std::ops
     ((from * n).floor() - 1.0).max(0.0) as usize..((to * n).ceil() + 1.0).min(n) as usize + 1
 }
 
+/// Moves looked at together where they are not all in memory.
+const PIECE: usize = 1 << 18;
+
 /// The deepest gouge of all moves; `None` when no centre lies lower than the ball can rest.
-pub fn deepest(moves: &[Move], part: &PartContext) -> Option<Gouge> {
+pub fn deepest(moves: &Moves, part: &PartContext) -> Option<Gouge> {
+    let mut depth = None;
+    let mut best = None;
+    moves.pieces(PIECE, &mut |piece| {
+        let suspects = suspects(piece, part);
+        if !suspects.is_empty() {
+            let depth = depth.get_or_insert_with(|| Depth::new(part.mesh, part.drop.radius()));
+            best = deeper(best, suspects, depth);
+        }
+    });
+    best
+}
+
+/// The centres of some moves that lie lower than the ball can rest: of each move the likeliest and the lowest.
+fn suspects(moves: &[Move], part: &PartContext) -> Vec<Suspect> {
     let radius = part.drop.radius();
     let ceiling = part.drop.bounds().max.z + radius;
-    let mut suspects: Vec<Suspect> = moves
+    moves
         .par_chunks(128)
         .flat_map_iter(|chunk| {
             let mut hint = Hint::default();
@@ -115,14 +133,14 @@ pub fn deepest(moves: &[Move], part: &PartContext) -> Option<Gouge> {
             }
             out
         })
-        .collect();
-    if suspects.is_empty() {
-        return None;
-    }
+        .collect()
+}
+
+/// The deepest of some suspects and of what was found before.
+fn deeper(before: Option<Gouge>, mut suspects: Vec<Suspect>, depth: &Depth) -> Option<Gouge> {
     // Likeliest first; a stable sort keeps program order among equals.
     suspects.sort_by(|a, b| b.guess.total_cmp(&a.guess));
-    let depth = Depth::new(part.mesh, radius);
-    let mut best: Option<Gouge> = None;
+    let mut best = before;
     for chunk in suspects.chunks(256) {
         let floor = best.map_or(0.0, |b| b.depth);
         let found: Vec<Option<Gouge>> = chunk

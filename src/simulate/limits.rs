@@ -1,7 +1,7 @@
 //! Does the program fit the machine: travels, rates, spindle.
 
 use super::report::{Extents, Kind, Problem};
-use super::start::Places;
+use super::start::Followed;
 use crate::gcode::{Event, Motion, MotionKind};
 use crate::geom::{Box3, Point};
 use crate::kinematics::chords;
@@ -21,199 +21,299 @@ pub struct Limits {
     pub machine_moves: bool,
 }
 
-/// Compares a program with a machine. Where work zero lies on the table is not in the text, so it is the program's *length* that
-/// is compared with each axis' travel.
-pub fn limits(events: &[Event], machine: &Machine) -> Limits {
-    let mut out = Limits {
-        problems: Vec::new(),
-        warnings: Vec::new(),
-        extents: Extents::default(),
-        machine_moves: false,
-    };
-    travels(events, machine, &mut out);
-    rates(events, machine, &mut out);
-    cutting(events, machine, &mut out);
-    spindle(events, machine, &mut out);
-    out
+/// Compares a program with a machine, event by event. Where work zero lies on the table is not in the text, so it is the program's *length*
+/// that is compared with each axis' travel.
+pub struct LimitWatch<'a> {
+    machine: &'a Machine,
+    travels: Travels,
+    machine_moves: bool,
+    beyond: Listed,
+    speeds: Listed,
+    rates: Rates,
+    cutting: Option<(usize, f64, usize)>,
+    spindle: Spindle,
 }
 
-fn travels(events: &[Event], machine: &Machine, out: &mut Limits) {
-    let mut work = Box3::empty();
-    let mut lines: [[usize; 2]; 3] = [[0; 2]; 3];
-    let mut grow = |p: &Point, line: usize| {
-        for a in 0..3 {
-            if p[a] < work.min[a] {
-                (work.min[a], lines[a][0]) = (p[a], line);
-            }
-            if p[a] > work.max[a] {
-                (work.max[a], lines[a][1]) = (p[a], line);
-            }
+impl<'a> LimitWatch<'a> {
+    /// Before the first event.
+    pub fn new(machine: &'a Machine) -> LimitWatch<'a> {
+        LimitWatch {
+            machine,
+            travels: Travels::new(),
+            machine_moves: false,
+            beyond: Listed::default(),
+            speeds: Listed::default(),
+            rates: Rates::default(),
+            cutting: None,
+            spindle: Spindle::default(),
         }
-    };
-    let mut places = Places::default();
-    for event in events {
-        let Some((m, _, known)) = places.follow(event) else {
-            continue;
-        };
-        if m.machine_coordinates {
-            out.machine_moves = true;
-            // Machine zero is at one end of each axis, on either side by the maker's taste.
-            for (a, axis) in AXES.iter().enumerate() {
-                let beyond = m.to[a].abs() - machine.travel[a].0;
-                if m.to[a] != m.from[a] && beyond > FIT {
-                    out.problems.push(Problem {
-                        kind: Kind::Limit,
-                        line: Some(m.line),
-                        text: format!(
-                            "axis {axis}: machine position {:.3} mm is {:.3} mm beyond the travel of {:.1} mm of {}",
-                            m.to[a], beyond, machine.travel[a].0, machine.name
-                        ),
-                    });
+    }
+
+    /// The next event, and what [`Places`](super::start::Places) says of it.
+    pub fn hear(&mut self, event: &Event, followed: Option<&Followed>) {
+        if let Some(f) = followed {
+            self.place(f);
+        }
+        match event {
+            Event::Motion(m) if m.kind == MotionKind::Feed => {
+                self.rates.motion(m, self.machine);
+                self.spindle.cut(m.line);
+                if let Some(most) = self.machine.max_feed
+                    && !m.inverse_time
+                    && m.feed.0 > most.0 * (1.0 + 1e-6)
+                {
+                    let first = self.cutting.unwrap_or((m.line, m.feed.0, 0));
+                    self.cutting = Some((first.0, first.1, first.2 + 1));
                 }
             }
-            continue;
-        }
-        // NaN grows no box.
-        let mut p = m.to;
-        for a in 0..3 {
-            if !known[a] {
-                p[a] = f64::NAN;
-            }
-        }
-        grow(&p, m.line);
-        if let Some(arc) = &m.arc
-            && known == [true; 3]
-        {
-            for c in chords(&m.from, &m.to, arc, Mm(0.001)) {
-                grow(&c, m.line);
-            }
-        }
-    }
-    let known = |v: [f64; 3]| v.iter().all(|c| c.is_finite()).then_some(v);
-    out.extents = Extents {
-        min: known(work.min.into()),
-        max: known(work.max.into()),
-    };
-    for a in 0..3 {
-        let length = work.max[a] - work.min[a];
-        let travel = machine.travel[a].0;
-        if length > travel + FIT {
-            out.problems.push(Problem {
-                kind: Kind::Limit,
-                line: Some(lines[a][1].max(lines[a][0])),
-                text: format!(
-                    "axis {}: the program reaches from {:.3} (line {}) to {:.3} mm (line {}), {:.3} mm in all; {} travels {:.1} mm: {:.3} mm too long",
-                    AXES[a], work.min[a], lines[a][0], work.max[a], lines[a][1], length, machine.name, travel, length - travel
-                ),
-            });
-        }
-    }
-}
-
-fn rates(events: &[Event], machine: &Machine, out: &mut Limits) {
-    let mut over: Option<(usize, usize, f64, usize)> = None;
-    for event in events {
-        let Event::Motion(m) = event else { continue };
-        if m.kind != MotionKind::Feed || m.inverse_time || m.arc.is_some() {
-            continue;
-        }
-        let d = m.to - m.from;
-        let length = d.norm();
-        for a in 0..3 {
-            let rate = if length > 0.0 {
-                m.feed.0 * d[a].abs() / length
-            } else {
-                0.0
-            };
-            if rate > machine.max_rate[a].0 * (1.0 + 1e-6) {
-                let (_, _, _, count) = over.unwrap_or((0, 0, 0.0, 0));
-                over = Some(over.map_or((m.line, a, rate, 1), |o| (o.0, o.1, o.2, count + 1)));
-                break;
-            }
-        }
-    }
-    if let Some((line, a, rate, count)) = over {
-        out.warnings.push(Problem {
-            kind: Kind::Feed,
-            line: Some(line),
-            text: format!(
-                "{count} moves ask for more than {} goes, the first for {:.0} mm/min of axis {} (it does {:.0}): they run slower, and the time counts them so",
-                machine.name, rate, AXES[a], machine.max_rate[a].0
-            ),
-        });
-    }
-}
-
-/// Feeds above what the maker allows while cutting.
-fn cutting(events: &[Event], machine: &Machine, out: &mut Limits) {
-    let Some(most) = machine.max_feed else { return };
-    let mut over: Option<(usize, f64, usize)> = None;
-    for event in events {
-        if let Event::Motion(m) = event
-            && m.kind == MotionKind::Feed
-            && !m.inverse_time
-            && m.feed.0 > most.0 * (1.0 + 1e-6)
-        {
-            over = Some(over.map_or((m.line, m.feed.0, 1), |o| (o.0, o.1, o.2 + 1)));
-        }
-    }
-    if let Some((line, feed, count)) = over {
-        out.warnings.push(Problem {
-            kind: Kind::Feed,
-            line: Some(line),
-            text: format!(
-                "{count} moves ask for more feed than {} cuts at, the first for {feed:.0} mm/min (it does {:.0}): its control slows them or stops with an alarm",
-                machine.name, most.0
-            ),
-        });
-    }
-}
-
-fn spindle(events: &[Event], machine: &Machine, out: &mut Limits) {
-    let (mut direction, mut speed) = (0i8, 0.0f64);
-    let mut still: Option<(usize, usize)> = None;
-    let [low, high] = machine.spindle;
-    for event in events {
-        match event {
             Event::Spindle {
-                direction: d,
-                speed: s,
+                direction,
+                speed,
                 line,
             } => {
-                (direction, speed) = (*d, s.0);
-                if direction != 0 && speed > 0.0 && !(low.0..=high.0).contains(&speed) {
-                    out.problems.push(Problem {
+                self.spindle.turn(*direction, speed.0);
+                let [low, high] = self.machine.spindle;
+                let speed = speed.0;
+                if *direction != 0 && speed > 0.0 && !(low.0..=high.0).contains(&speed) {
+                    let name = &self.machine.name;
+                    self.speeds.add(|| Problem {
                         kind: Kind::Spindle,
                         line: Some(*line),
                         text: format!(
-                            "{speed:.0} rpm is outside what {} turns, {:.0} to {:.0} rpm: change the S word",
-                            machine.name, low.0, high.0
+                            "{speed:.0} rpm is outside what {name} turns, {:.0} to {:.0} rpm: change the S word",
+                            low.0, high.0
                         ),
                     });
                 }
-            }
-            Event::Motion(Motion {
-                kind: MotionKind::Feed,
-                line,
-                ..
-            }) if direction == 0 || speed <= 0.0 => {
-                still = Some(still.map_or((*line, 1), |(l, n)| (l, n + 1)));
             }
             _ => {}
         }
     }
-    if let Some((line, count)) = still {
-        let why = if direction == 0 {
-            ""
-        } else {
-            " (M3 or M4 without a speed)"
+
+    fn place(&mut self, f: &Followed) {
+        let m = f.motion;
+        if m.machine_coordinates {
+            self.machine_moves = true;
+            // Machine zero is at one end of each axis, on either side by the maker's taste.
+            for (a, axis) in AXES.iter().enumerate() {
+                let travel = self.machine.travel[a].0;
+                let beyond = m.to[a].abs() - travel;
+                if m.to[a] != m.from[a] && beyond > FIT {
+                    let name = &self.machine.name;
+                    self.beyond.add(|| Problem {
+                        kind: Kind::Limit,
+                        line: Some(m.line),
+                        text: format!(
+                            "axis {axis}: machine position {:.3} mm is {beyond:.3} mm beyond the travel of {travel:.1} mm of {name}",
+                            m.to[a]
+                        ),
+                    });
+                }
+            }
+            return;
+        }
+        // NaN grows no box.
+        let mut p = m.to;
+        for a in 0..3 {
+            if !f.to_known[a] {
+                p[a] = f64::NAN;
+            }
+        }
+        self.travels.grow(&p, m.line);
+        if let Some(arc) = &m.arc
+            && f.to_known == [true; 3]
+        {
+            for c in chords(&m.from, &m.to, arc, Mm(0.001)) {
+                self.travels.grow(&c, m.line);
+            }
+        }
+    }
+
+    /// What they say.
+    pub fn finish(self) -> Limits {
+        let mut problems = self.beyond.finish();
+        self.travels.problems(self.machine, &mut problems);
+        problems.extend(self.speeds.finish());
+        problems.extend(self.spindle.problem());
+        let cutting = self.cutting.map(|(line, feed, count)| {
+            let most = self.machine.max_feed.map_or(0.0, |f| f.0);
+            Problem {
+                kind: Kind::Feed,
+                line: Some(line),
+                text: format!(
+                    "{count} moves ask for more feed than {} cuts at, the first for {feed:.0} mm/min (it does {most:.0}): its control slows them or stops with an alarm",
+                    self.machine.name
+                ),
+            }
+        });
+        let rates = self.rates.warning(self.machine);
+        Limits {
+            problems,
+            warnings: rates.into_iter().chain(cutting).collect(),
+            extents: self.travels.extents(),
+            machine_moves: self.machine_moves,
+        }
+    }
+}
+
+/// Problems of one sort, the first of them one by one.
+#[derive(Default)]
+struct Listed {
+    problems: Vec<Problem>,
+    more: usize,
+}
+
+/// So many of one sort are listed: a program may have millions.
+const LISTED: usize = 1000;
+
+impl Listed {
+    fn add(&mut self, problem: impl FnOnce() -> Problem) {
+        match self.problems.len() < LISTED {
+            true => self.problems.push(problem()),
+            false => self.more += 1,
+        }
+    }
+
+    fn finish(mut self) -> Vec<Problem> {
+        if let (Some(last), true) = (self.problems.last(), self.more > 0) {
+            self.problems.push(Problem {
+                kind: last.kind,
+                line: None,
+                text: format!("and {} more like these", self.more),
+            });
+        }
+        self.problems
+    }
+}
+
+/// Where the tool tip goes, and on which lines it goes farthest.
+struct Travels {
+    work: Box3,
+    lines: [[usize; 2]; 3],
+}
+
+impl Travels {
+    fn new() -> Travels {
+        Travels {
+            work: Box3::empty(),
+            lines: [[0; 2]; 3],
+        }
+    }
+
+    fn grow(&mut self, p: &Point, line: usize) {
+        for a in 0..3 {
+            if p[a] < self.work.min[a] {
+                (self.work.min[a], self.lines[a][0]) = (p[a], line);
+            }
+            if p[a] > self.work.max[a] {
+                (self.work.max[a], self.lines[a][1]) = (p[a], line);
+            }
+        }
+    }
+
+    fn extents(&self) -> Extents {
+        let known = |v: [f64; 3]| v.iter().all(|c| c.is_finite()).then_some(v);
+        Extents {
+            min: known(self.work.min.into()),
+            max: known(self.work.max.into()),
+        }
+    }
+
+    fn problems(&self, machine: &Machine, out: &mut Vec<Problem>) {
+        let (work, lines) = (&self.work, &self.lines);
+        for a in 0..3 {
+            let length = work.max[a] - work.min[a];
+            let travel = machine.travel[a].0;
+            if length > travel + FIT {
+                out.push(Problem {
+                    kind: Kind::Limit,
+                    line: Some(lines[a][1].max(lines[a][0])),
+                    text: format!(
+                        "axis {}: the program reaches from {:.3} (line {}) to {:.3} mm (line {}), {:.3} mm in all; {} travels {:.1} mm: {:.3} mm too long",
+                        AXES[a], work.min[a], lines[a][0], work.max[a], lines[a][1], length, machine.name, travel, length - travel
+                    ),
+                });
+            }
+        }
+    }
+}
+
+/// Feeds that an axis cannot go.
+#[derive(Default)]
+struct Rates {
+    count: usize,
+    /// Line, axis, its rate in mm/min.
+    first: Option<(usize, usize, f64)>,
+}
+
+impl Rates {
+    fn motion(&mut self, m: &Motion, machine: &Machine) {
+        if m.inverse_time || m.arc.is_some() {
+            return;
+        }
+        let d = m.to - m.from;
+        let length = d.norm();
+        if length <= 0.0 {
+            return;
+        }
+        for a in 0..3 {
+            let rate = m.feed.0 * d[a].abs() / length;
+            if rate > machine.max_rate[a].0 * (1.0 + 1e-6) {
+                self.count += 1;
+                self.first.get_or_insert((m.line, a, rate));
+                break;
+            }
+        }
+    }
+
+    fn warning(&self, machine: &Machine) -> Option<Problem> {
+        let (line, a, rate) = self.first?;
+        Some(Problem {
+            kind: Kind::Feed,
+            line: Some(line),
+            text: format!(
+                "{} moves ask for more than {} goes, the first for {:.0} mm/min of axis {} (it does {:.0}): they run slower, and the time counts them so",
+                self.count, machine.name, rate, AXES[a], machine.max_rate[a].0
+            ),
+        })
+    }
+}
+
+/// Cuts with the spindle standing.
+#[derive(Default)]
+struct Spindle {
+    direction: i8,
+    speed: f64,
+    count: usize,
+    /// Line of the first, and whether the spindle was switched on there, without a speed.
+    first: Option<(usize, bool)>,
+}
+
+impl Spindle {
+    fn turn(&mut self, direction: i8, speed: f64) {
+        (self.direction, self.speed) = (direction, speed);
+    }
+
+    fn cut(&mut self, line: usize) {
+        if self.direction == 0 || self.speed <= 0.0 {
+            self.count += 1;
+            self.first.get_or_insert((line, self.direction != 0));
+        }
+    }
+
+    fn problem(&self) -> Option<Problem> {
+        let (line, on) = self.first?;
+        let why = match on {
+            true => " (M3 or M4 without a speed)",
+            false => "",
         };
-        out.problems.push(Problem {
+        Some(Problem {
             kind: Kind::Spindle,
             line: Some(line),
             text: format!(
-                "{count} moves at feed with the spindle stopped{why}, the first here: put M3 and S before the first cut"
+                "{} moves at feed with the spindle stopped{why}, the first here: put M3 and S before the first cut",
+                self.count
             ),
-        });
+        })
     }
 }

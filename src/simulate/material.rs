@@ -1,17 +1,8 @@
 //! The stock as it is cut, in program order: what the ball sweeps, and where a rapid meets what still stands.
 
 use super::dry_run::{PartContext, Stock};
-use super::report::ProgramFigures;
-use super::start::Places;
-use crate::gcode::{Event, MotionKind};
-use crate::geom::{Point, Vector};
-use crate::kinematics::chords;
 use crate::reach::Hint;
 use crate::sweep::{Encounter, Lattice, Reachable, Segment, Swept};
-use crate::units::Mm;
-
-/// Arcs become chords within this, mm.
-const FLATTEN: f64 = 5e-4;
 
 /// A straight piece of the way of the ball's centre, work coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,65 +10,6 @@ pub struct Move {
     pub segment: Segment,
     pub rapid: bool,
     pub line: usize,
-}
-
-/// All moves whose place is known, and the way in figures. `events` begin at [`UNKNOWN`](super::start::UNKNOWN) on the axes whose
-/// start the text does not tell: until all three axes have been told, only the ends of moves are known. The same holds after
-/// moves in machine coordinates and after probing.
-pub fn moves(events: &[Event], radius: f64) -> (Vec<Move>, ProgramFigures) {
-    let up = Vector::new(0.0, 0.0, radius);
-    let mut out = Vec::new();
-    let mut f = ProgramFigures::default();
-    let mut places = Places::default();
-    // A feed motion came last, and no rapid has risen since.
-    let mut in_work = false;
-    for event in events {
-        let Some((m, from_known, to_known)) = places.follow(event) else {
-            continue;
-        };
-        if m.machine_coordinates {
-            in_work = false;
-            continue;
-        }
-        let rapid = m.kind == MotionKind::Rapid;
-        let mut push = |from: Point, to: Point| {
-            out.push(Move {
-                segment: Segment {
-                    from: from + up,
-                    to: to + up,
-                },
-                rapid,
-                line: m.line,
-            });
-            (to - from).norm()
-        };
-        let mut length = 0.0;
-        if from_known.iter().all(|k| *k) {
-            match &m.arc {
-                Some(arc) => {
-                    let mut from = m.from;
-                    for to in chords(&m.from, &m.to, arc, Mm(FLATTEN)) {
-                        length += push(from, to);
-                        from = to;
-                    }
-                }
-                None => length += push(m.from, m.to),
-            }
-        } else if to_known.iter().all(|k| *k) {
-            push(m.to, m.to);
-        }
-        if rapid {
-            f.rapid_mm += length;
-            if in_work && m.to.z > m.from.z {
-                f.retracts += 1;
-                in_work = false;
-            }
-        } else {
-            f.cut_mm += length;
-            in_work = true;
-        }
-    }
-    (out, f)
 }
 
 /// A rapid that met standing stock.
@@ -304,6 +236,7 @@ pub fn deepest_per_line(mut found: Vec<Collision>) -> Vec<Collision> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geom::Point;
     use crate::part::Mesh;
     use crate::reach::DropCutter;
     use crate::sweep::ReachTiles;

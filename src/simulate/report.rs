@@ -85,6 +85,13 @@ pub enum Kind {
     Nothing,
 }
 
+impl Kind {
+    /// Something was hit: the part, or stock that the move could not cut.
+    pub fn is_crash(self) -> bool {
+        matches!(self, Kind::Gouge | Kind::Collision)
+    }
+}
+
 impl std::fmt::Display for Kind {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(match self {

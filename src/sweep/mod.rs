@@ -15,7 +15,8 @@ pub mod swept;
 pub mod tiles;
 
 pub use finish::{
-    CuspMap, Finish, FinishError, FinishOptions, FinishStats, Percentiles, finish, finish_tiles,
+    CuspMap, Finish, FinishError, FinishOptions, FinishStats, Judging, Percentiles, finish,
+    finish_tiles,
 };
 pub use lattice::Lattice;
 pub use nearest::Paths;

@@ -6,9 +6,14 @@
 //!     c0        c1
 //! ```
 
-use crate::geom::{Point, Point2};
+use crate::geom::{Point, Point2, Vector2};
 use crate::sweep::Segment;
 use crate::sweep::buckets::Buckets;
+use std::borrow::Borrow;
+
+/// Sides of a bucket from the area asked about to the buckets at the rim. Buckets are a quarter of the ball's radius wide, and what is
+/// farther from a place than a radius and some allowance is seldom asked for.
+const MARGIN: f64 = 8.0;
 
 /// Segments of ball centres sorted into square buckets in plan. Work coordinates, mm.
 #[derive(Clone, Debug)]
@@ -23,11 +28,15 @@ impl Paths {
     /// Sorts segments; non-finite ones are left out. `size` is the side of a bucket, mm: a few times the spacing of passes.
     /// `asked` is the area (two corners) that holds all places that will be asked about: buckets are spent on it alone, however
     /// far a program wanders.
-    pub fn new(segments: &[Segment], size: f64, asked: (Point2, Point2)) -> Paths {
+    pub fn new<S: Borrow<Segment>>(
+        segments: impl IntoIterator<Item = S>,
+        size: f64,
+        asked: (Point2, Point2),
+    ) -> Paths {
         let segments: Vec<Segment> = segments
-            .iter()
+            .into_iter()
+            .map(|s| *s.borrow())
             .filter(|s| s.from.iter().chain(s.to.iter()).all(|v| v.is_finite()))
-            .copied()
             .collect();
         let mut min = Point2::new(f64::INFINITY, f64::INFINITY);
         let mut max = Point2::new(f64::NEG_INFINITY, f64::NEG_INFINITY);
@@ -36,8 +45,11 @@ impl Paths {
             max = max.sup(&p.xy());
         }
         // What lies beyond goes into the buckets at the rim: they are nearer to any place asked about than it is.
-        let min = min.sup(&asked.0).inf(&asked.1);
-        let max = max.inf(&asked.1).sup(&min);
+        // Those are kept so far away that hardly any place looks into them: a program cut beside the part (a wrong zero) crowds them.
+        let margin = Vector2::repeat(MARGIN * size);
+        let (first, last) = (asked.0 - margin, asked.1 + margin);
+        let min = min.sup(&first).inf(&last);
+        let max = max.inf(&last).sup(&min);
         let buckets = Buckets::new(min, max, size, segments.len(), |b, i, put| {
             touched(b, &segments[i], put);
         });

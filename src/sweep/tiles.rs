@@ -165,6 +165,11 @@ impl<'a> ReachTiles<'a> {
         let room = self.drop.radius() + self.rim as f64 * self.lattice.step;
         touched(&self.lattice, self.side, room, segments)
     }
+
+    /// Names each tile that a segment passes within `room` mm of.
+    pub fn near(&self, segment: &Segment, room: f64, name: impl FnMut(usize)) {
+        Squares::new(&self.lattice, self.side, room).near(segment, name);
+    }
 }
 
 /// For each square of `side` cells, row by row, the segments that pass within `room` mm of its cells, by number, rising; and one more
@@ -175,32 +180,61 @@ pub fn touched<'s>(
     room: f64,
     segments: impl ExactSizeIterator<Item = &'s Segment>,
 ) -> Vec<Vec<u32>> {
-    let (across, down) = (l.nx.div_ceil(side), l.ny.div_ceil(side));
-    let mut out: Vec<Vec<u32>> = vec![Vec::new(); across * down];
-    let room = room + l.step;
+    let squares = Squares::new(l, side, room);
+    let mut out: Vec<Vec<u32>> = vec![Vec::new(); squares.across * squares.down];
     let count = segments.len();
-    let span = |a: f64, b: f64, origin: f64, n: usize| -> Range<usize> {
-        let at = |v: f64| (v - origin) / (l.step * side as f64);
-        let (lo, hi) = (at(a.min(b) - room), at(a.max(b) + room));
+    for (i, s) in segments.enumerate() {
+        squares.near(s, |square| {
+            let list = &mut out[square];
+            let from = list.last().map_or(0, |k| *k as usize + 1);
+            for k in from.max(i.saturating_sub(1))..(i + 2).min(count) {
+                list.push(k as u32);
+            }
+        });
+    }
+    out
+}
+
+/// The squares that a lattice is cut into, and how far around each of them counts.
+struct Squares {
+    origin: Point2,
+    /// Side of a square, mm.
+    size: f64,
+    room: f64,
+    across: usize,
+    down: usize,
+}
+
+impl Squares {
+    fn new(l: &Lattice, side: usize, room: f64) -> Squares {
+        Squares {
+            origin: l.origin,
+            size: l.step * side as f64,
+            room: room + l.step,
+            across: l.nx.div_ceil(side),
+            down: l.ny.div_ceil(side),
+        }
+    }
+
+    /// Names each square that a segment passes near, row by row.
+    fn near(&self, s: &Segment, mut name: impl FnMut(usize)) {
+        for ty in self.span(s.from.y, s.to.y, self.origin.y, self.down) {
+            for tx in self.span(s.from.x, s.to.x, self.origin.x, self.across) {
+                name(ty * self.across + tx);
+            }
+        }
+    }
+
+    fn span(&self, a: f64, b: f64, origin: f64, n: usize) -> Range<usize> {
+        let at = |v: f64| (v - origin) / self.size;
+        let (lo, hi) = (at(a.min(b) - self.room), at(a.max(b) + self.room));
         // NaN touches nothing.
         if hi >= 0.0 && lo < n as f64 {
             lo.max(0.0) as usize..(hi as usize).saturating_add(1).min(n)
         } else {
             0..0
         }
-    };
-    for (i, s) in segments.enumerate() {
-        for ty in span(s.from.y, s.to.y, l.origin.y, down) {
-            for tx in span(s.from.x, s.to.x, l.origin.x, across) {
-                let list = &mut out[ty * across + tx];
-                let from = list.last().map_or(0, |k| *k as usize + 1);
-                for k in from.max(i.saturating_sub(1))..(i + 2).min(count) {
-                    list.push(k as u32);
-                }
-            }
-        }
     }
-    out
 }
 
 /// Corners of the area that a lattice's cells lie in.

@@ -3,7 +3,7 @@
 
 use morsemill::controller::{Controller, Memory, Pins, Switches};
 use morsemill::link::errand::{
-    Console, Errand, ErrandError, ErrandOptions, GoToZero, Home, Jog, JogMove, News, Probe,
+    Console, Errand, ErrandError, ErrandOptions, GoTo, Home, Jog, JogMove, News, Probe,
     ProbeOptions, Reach, Restore, Retract, Save, Task, Unlock, Verdict, Zero, differences, judge,
 };
 use proptest::prelude::*;
@@ -454,7 +454,7 @@ fn the_way_to_zero_goes_up_first_and_down_last() {
     let away = vec![jog([Some(30.0), Some(20.0), Some(-4.0)], 3000.0)];
     let mut b = Bench::new(Jog::new(away), mill(memory()));
     b.run(30).unwrap();
-    let mut b = Bench::new(GoToZero::new(Retract::Work(15.0), 3.0), b.mill);
+    let mut b = Bench::new(GoTo::zero(Retract::Work(15.0), 3.0), b.mill);
     let mut low_and_sideways = false;
     loop {
         let before = b.mill.position();
@@ -470,7 +470,7 @@ fn the_way_to_zero_goes_up_first_and_down_last() {
     }
     assert!(!low_and_sideways);
     assert_eq!(b.errand.task.position, Some([0.0, 0.0, 3.0]));
-    let e = Bench::new(GoToZero::new(Retract::MachineTop, 3.0), b.mill)
+    let e = Bench::new(GoTo::zero(Retract::MachineTop, 3.0), b.mill)
         .run(20)
         .unwrap_err();
     assert!(e.to_string().contains("known only when it is homed"), "{e}");
@@ -530,7 +530,7 @@ fn a_console_carries_on_after_errors_and_alarms() {
         .news
         .iter()
         .filter_map(|n| match n {
-            News::Said(line, _) => Some(line.clone()),
+            News::Said(line, _) if !line.starts_with('<') => Some(line.clone()),
             _ => None,
         })
         .collect();
@@ -606,7 +606,9 @@ fn send_tells_events_and_keeps_a_journal() {
         json: None,
         events: Some(events.clone()),
         plain: true,
+        setup: false,
         tool_plate: None,
+        tool_setter: None,
         take_up: Default::default(),
     };
     let mut out = Vec::new();

@@ -5,7 +5,7 @@
 use clap::Parser;
 use morsemill::cli::controller::{ControllerArgs, run_until};
 use morsemill::controller::{
-    Controller, FaultPlan, Faults, Guests, Memory, News, Pace, Pty, Rig, RigOptions, Tcp,
+    Controller, FaultPlan, Faults, Guests, Memory, News, Opening, Pace, Pty, Rig, RigOptions, Tcp,
 };
 use morsemill::link::port::inquiry::Inquiry;
 use morsemill::link::port::{self, Port};
@@ -18,6 +18,9 @@ use std::time::{Duration, Instant};
 
 /// Patience with another thread on a busy computer; nothing is measured by it.
 const PATIENCE: Duration = Duration::from_secs(60);
+
+/// Opening restarts it, and it greets at once.
+const AT_ONCE: Opening = Opening::Restarts(Duration::ZERO);
 
 fn mill() -> Controller {
     let mut m = Memory::default();
@@ -209,7 +212,7 @@ fn ports_by_name_reach_a_socket_and_a_pseudo_terminal() {
 #[test]
 fn each_opening_of_a_pseudo_terminal_greets_anew() {
     let (sender, news) = mpsc::channel();
-    let pty = Pty::serve(mill().into(), Pace::Times(1.0), Some(sender)).unwrap();
+    let pty = Pty::serve(mill().into(), AT_ONCE, Pace::Times(1.0), Some(sender)).unwrap();
     for _ in 0..3 {
         let mut port = port::open(pty.path(), 115_200).unwrap();
         assert_eq!(news.recv_timeout(PATIENCE).unwrap(), News::Came);
@@ -245,7 +248,7 @@ fn each_opening_of_a_pseudo_terminal_greets_anew() {
 fn a_plain_sender_of_another_maker() {
     use std::io::{BufRead as _, BufReader};
     let (sender, news) = mpsc::channel();
-    let pty = Pty::serve(mill().into(), Pace::Unbound, Some(sender)).unwrap();
+    let pty = Pty::serve(mill().into(), AT_ONCE, Pace::Unbound, Some(sender)).unwrap();
     for job in 1..=2 {
         let mut file = std::fs::OpenOptions::new()
             .read(true)
@@ -288,6 +291,202 @@ fn a_plain_sender_of_another_maker() {
         while !matches!(news.recv_timeout(PATIENCE).unwrap(), News::Left(_)) {}
     }
     assert_eq!(pty.readout().bytes_lost, 0);
+}
+
+/// Opens it as a file that never blocks, setting nothing.
+fn open_raw(path: &str) -> std::fs::File {
+    use std::os::unix::fs::OpenOptionsExt as _;
+    std::fs::OpenOptions::new()
+        .read(true)
+        .write(true)
+        .custom_flags(rustix::fs::OFlags::NONBLOCK.bits().cast_signed())
+        .open(path)
+        .unwrap()
+}
+
+/// Reads until `end` has come; all that came.
+fn read_until(file: &mut std::fs::File, end: &str) -> String {
+    let (mut got, start, mut buffer) = (Vec::new(), Instant::now(), [0; 512]);
+    loop {
+        if let Ok(n) = file.read(&mut buffer) {
+            got.extend_from_slice(&buffer[..n]);
+        }
+        let text = String::from_utf8_lossy(&got).into_owned();
+        if text.contains(end) {
+            return text;
+        }
+        assert!(start.elapsed() < PATIENCE, "waited for {end:?}, got {text:?}");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+}
+
+fn wait_for(what: &str, mut is: impl FnMut() -> bool) {
+    let start = Instant::now();
+    while !is() {
+        assert!(start.elapsed() < PATIENCE, "waited for {what}");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+}
+
+/// However soon it is opened again, the opening is one.
+#[cfg(target_os = "linux")]
+#[test]
+fn an_opening_right_behind_a_closing_restarts_too() {
+    let pty = Pty::serve(mill().into(), AT_ONCE, Pace::Times(100.0), None).unwrap();
+    let mut file = open_raw(pty.path());
+    for round in 0..30 {
+        let said = read_until(&mut file, "help]\r\n");
+        assert!(said.ends_with("\r\nGrbl 1.1h ['$' for help]\r\n"), "round {round}: {said:?}");
+        file.write_all(b"G0X5\n").unwrap();
+        assert!(read_until(&mut file, "ok\r\n").starts_with("ok\r\n"));
+        wait_for("X5", || pty.readout().position[0] == 5.0);
+        drop(file);
+        file = open_raw(pty.path());
+    }
+    // A second program that opens it meanwhile restarts nothing, nor does its leaving.
+    read_until(&mut file, "help]\r\n");
+    file.write_all(b"G0X5\n").unwrap();
+    read_until(&mut file, "ok\r\n");
+    wait_for("X5", || pty.readout().position[0] == 5.0);
+    drop(open_raw(pty.path()));
+    let other = open_raw(pty.path());
+    file.write_all(b"?").unwrap();
+    assert!(read_until(&mut file, ">\r\n").starts_with("<Idle|MPos:5.000,"));
+    drop(other);
+    file.write_all(b"?").unwrap();
+    assert!(read_until(&mut file, ">\r\n").starts_with("<Idle|MPos:5.000,"));
+}
+
+#[test]
+fn what_opening_does_is_a_matter_of_the_board() {
+    let serve = |opening| {
+        let (sender, news) = mpsc::channel();
+        let pty = Pty::serve(mill().into(), opening, Pace::Unbound, Some(sender)).unwrap();
+        (pty, news)
+    };
+    // Moves it, leaves, and waits until that was seen: what is said within the same moment as a closing may be taken for the last words
+    // of the host that left.
+    let moved = |pty: &Pty, news: &mpsc::Receiver<News>| {
+        let mut file = open_raw(pty.path());
+        read_until(&mut file, "help]\r\n");
+        file.write_all(b"G0X5\nG4P0\n").unwrap();
+        read_until(&mut file, "ok\r\nok\r\n");
+        assert_eq!(pty.readout().position[0], 5.0);
+        drop(file);
+        while !matches!(news.recv_timeout(PATIENCE).unwrap(), News::Left(_)) {}
+    };
+    // It greets a little later, and hears then what was said at once.
+    let (pty, news) = serve(Opening::Restarts(Duration::from_millis(60)));
+    moved(&pty, &news);
+    let mut file = open_raw(pty.path());
+    file.write_all(b"$I\n").unwrap();
+    let said = read_until(&mut file, "ok\r\n");
+    file.write_all(b"?").unwrap();
+    let said = said + &read_until(&mut file, ">\r\n");
+    assert!(said.starts_with("\r\nGrbl 1.1h ['$' for help]\r\n"), "{said}");
+    assert!(said.contains("[VER:") && said.contains("<Idle|MPos:0.000,"), "{said}");
+    // A boot loader eats it.
+    let (pty, _) = serve(Opening::BootLoader(Duration::from_millis(60)));
+    let mut file = open_raw(pty.path());
+    file.write_all(b"$I\n?").unwrap();
+    let said = read_until(&mut file, "help]\r\n");
+    file.write_all(b"$G\n").unwrap();
+    let said = said + &read_until(&mut file, "ok\r\n");
+    assert!(said.contains("help]\r\n[GC:"), "{said}");
+    // Reset not wired: it is found where it was left.
+    let (pty, news) = serve(Opening::Nothing);
+    moved(&pty, &news);
+    let mut file = open_raw(pty.path());
+    file.write_all(b"?").unwrap();
+    assert!(read_until(&mut file, ">\r\n").starts_with("<Idle|MPos:5.000,"));
+}
+
+/// A sender that hangs: it asks and asks and never reads. The machine goes on, and once it reads again it is answered.
+#[test]
+fn a_host_that_does_not_read_stops_nothing() {
+    let pty = Pty::serve(mill().into(), AT_ONCE, Pace::Times(1000.0), None).unwrap();
+    let mut file = open_raw(pty.path());
+    read_until(&mut file, "help]\r\n");
+    file.write_all(b"G1X100F600\n").unwrap();
+    // Each asks for more than a KiB: far more than the kernel keeps.
+    let mut asked = 0;
+    wait_for("questions", || {
+        asked += usize::from(file.write(b"$$\n?").is_ok());
+        asked > 400
+    });
+    wait_for("the end of the way", || pty.readout().position[0] == 100.0);
+    wait_for("an answer", || {
+        let mut all = Vec::new();
+        let _ = file.read_to_end(&mut all);
+        file.write_all(b"?").unwrap();
+        String::from_utf8_lossy(&all).contains("<Idle|MPos:100.000,")
+    });
+    assert!(pty.stop().is_some(), "its thread does not hang");
+}
+
+#[test]
+fn telnet_programs_reset_and_hold_nothing() {
+    let tcp = serve(mill());
+    let mut s = connect(tcp.address());
+    until(&mut s, "help]\r\n");
+    // Offers that telnet programs make: terminal type (24, GRBL's reset), flow control (33, its hold).
+    s.write_all(b"G1X5F6000\n\xff\xfb\x18\xff\xfd\x21G4P0\n?").unwrap();
+    let (mut got, start) = (Vec::new(), Instant::now());
+    while !String::from_utf8_lossy(&got).contains("<Idle|MPos:5.000,") {
+        let mut buffer = [0; 256];
+        if let Ok(n) = s.read(&mut buffer) {
+            got.extend_from_slice(&buffer[..n]);
+        }
+        s.write_all(b"?").unwrap();
+        assert!(start.elapsed() < PATIENCE);
+    }
+    let declined = [0xff, 0xfe, 0x18, 0xff, 0xfc, 0x21];
+    assert!(got.windows(6).any(|w| w == declined), "the offers are declined");
+    let text = String::from_utf8_lossy(&got);
+    assert!(!text.contains("Grbl") && !text.contains("Hold"), "{text}");
+}
+
+/// A second client that talks at once is told all the same, and nothing of what it says is carried out.
+#[test]
+fn a_second_client_is_refused_the_write_side() {
+    let tcp = serve(mill());
+    let mut first = connect(tcp.address());
+    until(&mut first, "help]\r\n");
+    for _ in 0..20 {
+        let mut second = connect(tcp.address());
+        let _ = second.write_all(b"\x18G0X9\n?$H\n");
+        assert!(until(&mut second, "never said").starts_with("[MSG:Busy: "));
+    }
+    first.write_all(b"G4P0\n").unwrap();
+    assert_eq!(until(&mut first, "ok\r\n"), "ok\r\n");
+    first.write_all(b"?").unwrap();
+    let said = until(&mut first, ">\r\n");
+    assert!(said.starts_with("<Idle|MPos:0.000,"), "{said}");
+}
+
+#[test]
+fn a_name_for_the_pseudo_terminal_comes_and_goes_with_it() {
+    let dir = tempfile::tempdir().unwrap();
+    let link = dir.path().join("mill");
+    let name = link.display().to_string();
+    let words = ["c", "--pty", "--speed", "max", "--link", &name];
+    let args = Cli::try_parse_from(words).unwrap().controller;
+    let (out, stop) = (Shared::default(), Arc::new(AtomicBool::new(false)));
+    let (mut writer, stopper) = (out.clone(), stop.clone());
+    let thread = std::thread::spawn(move || run_until(&args, &mut writer, &stopper));
+    wait_for("its path", || out.text().ends_with('\n'));
+    assert_eq!(std::fs::read_link(&link).unwrap().to_str(), Some(out.text().trim()));
+    let mut file = open_raw(&name);
+    read_until(&mut file, "help]\r\n");
+    drop(file);
+    stop.store(true, Ordering::Relaxed);
+    assert_eq!(thread.join().unwrap(), 0);
+    assert!(std::fs::read_link(&link).is_err(), "it is gone");
+    std::fs::write(&link, "mine").unwrap();
+    let args = Cli::try_parse_from(words).unwrap().controller;
+    assert_eq!(run_until(&args, &mut Vec::new(), &AtomicBool::new(false)), 2);
+    assert!(Cli::try_parse_from(["c", "--tcp", "127.0.0.1:0", "--link", "x"]).is_err());
+    assert!(Cli::try_parse_from(["c", "--tcp", "127.0.0.1:0", "--on-open", "nothing"]).is_err());
 }
 
 /// A session-like exchange with faults, in virtual time, by the wall clock of nobody: twice the same.

@@ -4,6 +4,7 @@ use super::ControllerArgs;
 use crate::cli::Failure;
 use crate::cli::output::say;
 use crate::controller::Drive;
+use crate::geom::Vector;
 use crate::part::Mesh;
 use crate::reach::DropCutter;
 use crate::simulate::{
@@ -23,8 +24,9 @@ pub(super) struct Bench {
 }
 
 impl Bench {
-    /// Lays the part on the table as `check` does.
-    pub fn lay(part: &Path, args: &ControllerArgs) -> Result<Bench, String> {
+    /// Lays the part on the table as `check` does, under a machine with so many motor steps a millimetre. A motor stands on its nearest
+    /// step: by so much its way may differ from the program's without anything being wrong.
+    pub fn lay(part: &Path, args: &ControllerArgs, steps_per_mm: &[f64; 3]) -> Result<Bench, String> {
         let words = |e: Failure| match e {
             Failure::Rejected(text) | Failure::Failed(text) => text,
         };
@@ -41,10 +43,14 @@ impl Bench {
             bounds.size().z,
             args.tool.tool
         ));
+        let rounding = Vector::from(steps_per_mm.map(|s| if s > 0.0 { 0.5 / s } else { 0.0 })).norm();
+        let mut options = DryRunOptions::new(args.tool.scallop, args.stock.stock(bounds.max.z));
+        options.gouge_limit_mm += rounding;
+        options.collision_limit_mm += rounding;
         Ok(Bench {
             drop: DropCutter::new(&mesh, radius),
             step: judging_step(&bounds, radius, args.tool.scallop),
-            options: DryRunOptions::new(args.tool.scallop, args.stock.stock(bounds.max.z)),
+            options,
             mesh,
             judged: 0,
         })
@@ -66,7 +72,12 @@ impl Bench {
             turning: d.turning,
             at: d.at,
         });
-        let result = judge_driven(moves, &part, &self.options);
+        let mut result = judge_driven(moves, &part, &self.options);
+        if !ended {
+            // That the surface is not finished says nothing about a way that is not a whole program.
+            result.problems.retain(|p| p.kind.is_crash());
+            result.finish = result.finish.filter(|_| result.cut_mm > 0.0);
+        }
         self.print(&result, drive.cut_short, ended, out)?;
         Ok(result.crashed())
     }

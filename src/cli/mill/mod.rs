@@ -116,11 +116,7 @@ pub fn run(a: &MillArgs) -> Result<ExitCode, Failure> {
     standing(a, &planned, &mut verdict);
     let times = crate::gcode::interpret(&posted.text, dialect)
         .map(|p| {
-            crate::kinematics::program_time(
-                &p.events,
-                &crate::kinematics::Settings::from(&s.machine),
-            )
-            .per_line
+            crate::kinematics::line_times(&p.events, &crate::kinematics::Settings::from(&s.machine))
         })
         .unwrap_or_default();
     let features = show::features(&planned, &posted, &times);

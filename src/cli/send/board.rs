@@ -1,21 +1,38 @@
 //! What the operator sees of a job, as values: the news folded into a board, and the board as lines of text.
 
 use super::eta::{TimeTable, clock};
-use crate::link::{Progress, Report};
-use crate::wire::State;
+use crate::link::{Known, Progress, Report};
+use crate::wire::{State, Status};
 use std::collections::VecDeque;
 use std::time::Duration;
 
-/// Lines of log kept.
+/// Rows of log shown.
 const LOG: usize = 6;
+/// Lines of log kept, to be told once the screen has gone: the first and the newest.
+const KEPT_FIRST: usize = 50;
+const KEPT_LAST: usize = 200;
 /// Characters of the bar.
 const BAR: usize = 24;
+/// A screen narrower than this gets short lines.
+const NARROW: usize = 60;
 
 /// The keys, as shown.
 pub const KEYS: [&str; 2] = [
     "space/h hold   r resume   x stop   d door   s spindle off/on in hold   f flood   m mist",
     "+ - feed 10 %   . , feed 1 %   0 feed 100 %   1 2 3 rapid 25 50 100 %   ] [ spindle 10 %",
 ];
+/// The keys while the machine is in the operator's hands.
+pub const HAND_KEYS: [&str; 2] = [
+    "arrows jog X Y   PgUp PgDn jog Z   , . smaller larger step   space stops   r go on   x stop",
+    "X Y Z zero that axis here   H home before the start   p measure tool",
+];
+
+/// What the operator may do by hand now.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct InHand {
+    /// Jog step, mm.
+    pub step: f64,
+}
 
 /// Everything on the screen.
 #[derive(Clone, Debug, Default)]
@@ -38,8 +55,12 @@ pub struct Board {
     pub attention: Option<String>,
     /// A stall told.
     pub stall: Option<String>,
-    /// The last news.
+    /// The news.
     pub log: VecDeque<String>,
+    /// Lines of the log left out between the first and the newest.
+    pub left_out: usize,
+    /// The machine is in the operator's hands.
+    pub hand: Option<InHand>,
     /// Seconds of motion, pauses left out.
     pub running_s: f64,
     /// When the last report came.
@@ -115,11 +136,57 @@ impl Board {
                 return None;
             }
         };
-        self.log.push_back(text.clone());
-        if self.log.len() > LOG {
-            self.log.pop_front();
-        }
+        self.keep(text.clone());
         Some(text)
+    }
+
+    /// One more line of the log.
+    pub fn keep(&mut self, text: String) {
+        self.log.push_back(text);
+        if self.log.len() > KEPT_FIRST + KEPT_LAST {
+            self.log.remove(KEPT_FIRST);
+            self.left_out += 1;
+        }
+    }
+
+    /// The whole log, for when the screen has gone.
+    pub fn whole_log(&self) -> Vec<String> {
+        let mut lines: Vec<String> = self.log.iter().cloned().collect();
+        if self.left_out > 0 {
+            let at = KEPT_FIRST.min(lines.len());
+            lines.insert(at, format!("... {} lines left out ...", self.left_out));
+        }
+        lines
+    }
+
+    /// A report of an errand: where the machine stands, whatever the job does.
+    pub fn look(&mut self, status: &Status, known: &Known) {
+        let unit = if known.inches { 25.4 } else { 1.0 };
+        let before = self.report.take();
+        let (overrides, accessories) = before.as_ref().map_or((None, String::new()), |r| {
+            (r.overrides, r.accessories.clone())
+        });
+        let told = status.overrides.is_some();
+        self.report = Some(Report {
+            sent: before.as_ref().map_or(0, |r| r.sent),
+            acknowledged: before.as_ref().map_or(0, |r| r.acknowledged),
+            total: before.as_ref().map_or(0, |r| r.total),
+            source: before.as_ref().map_or(0, |r| r.source),
+            state: status.state.clone(),
+            position: known.work_position(),
+            machine_position: known.machine_position,
+            feed: status.feed.map(|f| f * unit),
+            speed: status.speed,
+            overrides: status.overrides.or(overrides),
+            accessories: if told {
+                status.accessories.clone()
+            } else {
+                accessories
+            },
+            pins: status.pins.clone(),
+            buffer: status.buffer,
+            in_flight: 0,
+        });
     }
 
     /// Seconds left, by the planner and the pace so far.
@@ -143,67 +210,150 @@ impl Board {
         ))
     }
 
-    /// The screen, line by line, none wider than `width`.
-    pub fn draw(&self, width: usize) -> Vec<String> {
-        let mut lines = vec![format!("{}   {}", self.title, self.version), String::new()];
+    /// The screen, line by line: none wider than `width`, not more than `rows`. What matters least is left out first.
+    pub fn draw(&self, width: usize, rows: usize) -> Vec<String> {
+        // How much each line matters: 0 stays longest.
+        let mut lines: Vec<(u8, String)> = vec![
+            (6, format!("{}   {}", self.title, self.version)),
+            (9, String::new()),
+        ];
         match &self.report {
-            None => lines.push("waiting for the controller".to_string()),
-            Some(r) => {
-                let share = match r.total {
-                    0 => 0.0,
-                    n => (r.acknowledged as f64 / n as f64).clamp(0.0, 1.0),
-                };
-                let full = (share * BAR as f64) as usize;
-                lines.push(format!(
-                    "{:<8} line {} of the program   [{}{}] {:.0} %   {} left",
-                    r.state.text(),
-                    r.source,
-                    "#".repeat(full),
-                    "-".repeat(BAR - full),
-                    share * 100.0,
-                    clock(self.left_s()),
-                ));
-                lines.push(String::new());
-                lines.push(format!("work     {}", place(r.position)));
-                lines.push(format!("machine  {}", place(r.machine_position)));
-                let percent = |f: fn(crate::wire::Overrides) -> u16| {
-                    r.overrides.map_or("-".to_string(), |o| f(o).to_string())
-                };
-                lines.push(format!(
-                    "feed {:>7.0} mm/min ({} %)   rapid {} %   spindle {:>6.0} rpm ({} %)   on: {}",
-                    r.feed.unwrap_or(0.0),
-                    percent(|o| o.feed),
-                    percent(|o| o.rapid),
-                    r.speed.unwrap_or(0.0),
-                    percent(|o| o.spindle),
-                    accessories(&r.accessories),
-                ));
-                let planner = match (r.buffer, self.blocks) {
-                    (Some(b), Some(all)) => format!("   planner {} of {all} blocks free", b.blocks),
-                    (Some(b), None) => format!("   planner {} blocks free", b.blocks),
-                    _ => String::new(),
-                };
-                let pins = if r.pins.is_empty() {
-                    String::new()
-                } else {
-                    format!("   pins {}", r.pins)
-                };
-                lines.push(format!(
-                    "buffer   {} of {} bytes under way{planner}{pins}",
-                    r.in_flight, self.rx_bytes
-                ));
+            None => lines.push((0, "waiting for the controller".to_string())),
+            Some(r) => self.state(r, width, &mut lines),
+        }
+        lines.push((9, String::new()));
+        let attention = self.attention.as_ref().or(self.stall.as_ref());
+        let asked = attention.map_or(String::new(), |text| format!(">>> {text}"));
+        let importance = if asked.is_empty() { 9 } else { 1 };
+        lines.extend(wrap(&asked, width).into_iter().map(|l| (importance, l)));
+        lines.push((9, String::new()));
+        let mut log: Vec<String> = Vec::new();
+        for line in self.log.iter().rev().take(LOG) {
+            log.extend(wrap(line, width).into_iter().rev());
+        }
+        log.truncate(LOG);
+        let empty = LOG - log.len();
+        for (age, line) in log.into_iter().enumerate().rev() {
+            // The newest is worth more than the keys, the older ones are not.
+            lines.push((if age == 0 { 3 } else { 8 }, line));
+        }
+        lines.extend(std::iter::repeat_n((9, String::new()), empty));
+        let keys = if self.hand.is_some() { HAND_KEYS } else { KEYS };
+        for line in keys {
+            lines.extend(wrap(line, width).into_iter().map(|l| (5, l)));
+        }
+        fit(lines, rows).iter().map(|l| cut(l, width)).collect()
+    }
+
+    fn state(&self, r: &Report, width: usize, lines: &mut Vec<(u8, String)>) {
+        let share = match r.total {
+            0 => 0.0,
+            n => (r.acknowledged as f64 / n as f64).clamp(0.0, 1.0),
+        };
+        let left = clock(self.left_s());
+        if width < NARROW {
+            lines.push((
+                0,
+                format!("{} {:.0}% {left} left", r.state.text(), share * 100.0),
+            ));
+            let p = r.position.or(r.machine_position).unwrap_or_default();
+            lines.push((2, format!("X{:.2} Y{:.2}", p[0] + 0.0, p[1] + 0.0)));
+            lines.push((2, format!("Z{:.2}", p[2] + 0.0)));
+            lines.push((4, format!("line {}", r.source)));
+            if let Some(hand) = self.hand {
+                lines.push((3, format!("step {} mm", hand.step)));
+            }
+            return;
+        }
+        let full = (share * BAR as f64) as usize;
+        lines.push((
+            0,
+            format!(
+                "{:<8} line {} of the program   [{}{}] {:.0} %   {left} left",
+                r.state.text(),
+                r.source,
+                "#".repeat(full),
+                "-".repeat(BAR - full),
+                share * 100.0,
+            ),
+        ));
+        lines.push((9, String::new()));
+        lines.push((2, format!("work     {}", place(r.position))));
+        lines.push((4, format!("machine  {}", place(r.machine_position))));
+        let percent = |f: fn(crate::wire::Overrides) -> u16| {
+            r.overrides.map_or("-".to_string(), |o| f(o).to_string())
+        };
+        lines.push((
+            4,
+            format!(
+                "feed {:>7.0} mm/min ({} %)   rapid {} %   spindle {:>6.0} rpm ({} %)   on: {}",
+                r.feed.unwrap_or(0.0),
+                percent(|o| o.feed),
+                percent(|o| o.rapid),
+                r.speed.unwrap_or(0.0),
+                percent(|o| o.spindle),
+                accessories(&r.accessories),
+            ),
+        ));
+        let planner = match (r.buffer, self.blocks) {
+            (Some(b), Some(all)) => format!("   planner {} of {all} blocks free", b.blocks),
+            (Some(b), None) => format!("   planner {} blocks free", b.blocks),
+            _ => String::new(),
+        };
+        let pins = if r.pins.is_empty() {
+            String::new()
+        } else {
+            format!("   pins {}", r.pins)
+        };
+        let line = match self.hand {
+            Some(hand) => format!("by hand  jog step {} mm{pins}", hand.step),
+            None => format!(
+                "buffer   {} of {} bytes under way{planner}{pins}",
+                r.in_flight, self.rx_bytes
+            ),
+        };
+        lines.push((4, line));
+    }
+}
+
+/// The lines that fit, in their order: those that matter least go first, of equals the last.
+fn fit(mut lines: Vec<(u8, String)>, rows: usize) -> Vec<String> {
+    while lines.len() > rows {
+        let worst = lines.iter().map(|l| l.0).max().unwrap_or(0);
+        let Some(at) = lines.iter().rposition(|l| l.0 == worst) else {
+            break;
+        };
+        lines.remove(at);
+    }
+    lines.into_iter().map(|l| l.1).collect()
+}
+
+/// Rows of at most `width` characters, broken between words where there are any. A row at least.
+fn wrap(text: &str, width: usize) -> Vec<String> {
+    let width = width.max(1);
+    let mut rows = vec![String::new()];
+    if text.chars().count() <= width {
+        return vec![text.to_string()];
+    }
+    for word in text.split_inclusive(' ') {
+        let room = |row: &String| width.saturating_sub(row.chars().count());
+        let bare = word.trim_end().chars().count();
+        if rows.last().is_some_and(|r| !r.is_empty() && room(r) < bare) {
+            rows.push(String::new());
+        }
+        for c in word.chars() {
+            if rows.last().is_some_and(|r| room(r) == 0) {
+                if c == ' ' {
+                    continue;
+                }
+                rows.push(String::new());
+            }
+            if let Some(row) = rows.last_mut() {
+                row.push(c);
             }
         }
-        lines.push(String::new());
-        let attention = self.attention.as_ref().or(self.stall.as_ref());
-        lines.push(attention.map_or(String::new(), |text| format!(">>> {text}")));
-        lines.push(String::new());
-        let empty = LOG - self.log.len().min(LOG);
-        lines.extend(self.log.iter().cloned());
-        lines.extend(std::iter::repeat_n(String::new(), empty));
-        lines.extend(KEYS.map(str::to_string));
-        lines.into_iter().map(|l| cut(&l, width)).collect()
     }
+    rows
 }
 
 fn place(p: Option<[f64; 3]>) -> String {
@@ -291,7 +441,7 @@ mod tests {
 
     #[test]
     fn the_screen() {
-        let shown = board().draw(100).join("\n");
+        let shown = board().draw(100, 24).join("\n");
         let golden = "\
 part.nc on LongMill   1.1h
 
@@ -330,12 +480,65 @@ space/h hold   r resume   x stop   d door   s spindle off/on in hold   f flood  
             told,
             "line 40: change to tool 3 (ball 6): resume when ready"
         );
-        assert!(b.draw(200).contains(&format!(">>> {told}")));
+        assert!(b.draw(200, 24).contains(&format!(">>> {told}")));
         for width in [0, 1, 20, 79] {
-            assert!(b.draw(width).iter().all(|l| l.chars().count() <= width));
+            assert!(b.draw(width, 24).iter().all(|l| l.chars().count() <= width));
         }
         b.hear(&Progress::Resumed, Duration::from_secs(3));
-        assert!(!b.draw(200).iter().any(|l| l.starts_with(">>>")));
+        assert!(!b.draw(200, 24).iter().any(|l| l.starts_with(">>>")));
+    }
+
+    #[test]
+    fn a_small_window_shows_what_matters() {
+        let mut b = board();
+        assert_eq!(
+            b.draw(20, 5).join("\n"),
+            "Run 25% 0:00 left\nX12.50 Y-3.25\nZ0.00\nline 31\noff [2J"
+        );
+        b.attention = Some("on hold, at rest: resume or stop".into());
+        let shown = b.draw(20, 5);
+        assert_eq!(
+            shown,
+            [
+                "Run 25% 0:00 left",
+                "X12.50 Y-3.25",
+                "Z0.00",
+                ">>> on hold, at",
+                "rest: resume or stop"
+            ]
+        );
+        for (width, rows) in [(1, 1), (5, 2), (20, 5), (40, 9), (79, 3), (200, 60)] {
+            let shown = b.draw(width, rows);
+            assert!(shown.len() <= rows && shown.iter().all(|l| l.chars().count() <= width));
+        }
+        assert!(b.draw(80, 0).is_empty());
+    }
+
+    #[test]
+    fn long_lines_of_the_log_go_on_in_the_next_row_and_none_is_lost() {
+        assert_eq!(wrap("aa bb cc", 5), ["aa bb", "cc"]);
+        assert_eq!(wrap("aaaaaaa b", 3), ["aaa", "aaa", "a b"]);
+        assert_eq!(wrap("", 3), [""]);
+        let mut b = board();
+        for i in 0..400 {
+            b.hear(&Progress::Note(format!("n{i}")), Duration::from_secs(1));
+        }
+        let log = b.whole_log();
+        assert_eq!(log.len(), KEPT_FIRST + KEPT_LAST + 1);
+        assert!(log[0].contains("laser mode") && log.last().unwrap() == "note: n399");
+        assert!(log.contains(&"... 151 lines left out ...".to_string()));
+    }
+
+    #[test]
+    fn by_hand_the_keys_are_others() {
+        let mut b = board();
+        b.hand = Some(InHand { step: 0.1 });
+        let shown = b.draw(100, 24).join("\n");
+        assert!(
+            shown.contains("by hand  jog step 0.1 mm   pins P"),
+            "{shown}"
+        );
+        assert!(shown.contains(HAND_KEYS[0]) && !shown.contains(KEYS[0]));
     }
 
     #[test]
@@ -345,6 +548,9 @@ space/h hold   r resume   x stop   d door   s spindle off/on in hold   f flood  
             "Run  25 of 100 lines  X12.50 Y-3.25 Z0.00  0:00 left"
         );
         assert_eq!(Board::default().progress(), None);
-        assert_eq!(Board::default().draw(80)[2], "waiting for the controller");
+        assert_eq!(
+            Board::default().draw(80, 24)[2],
+            "waiting for the controller"
+        );
     }
 }

@@ -1,13 +1,10 @@
 //! How long a job takes by the planner, line by line, and how much of that is left, corrected by how fast it really goes.
 //!
-//! Constant memory: time is kept at a few thousand lines and interpolated between them. The program is timed in pieces of
-//! some thousand events; at each seam the planner is taken to stop, which costs a ramp a piece.
+//! Constant memory: time is kept at a few thousand lines and interpolated between them.
 
 use crate::gcode::Event;
-use crate::kinematics::{Settings, program_time};
+use crate::kinematics::{Clock, Settings};
 
-/// Events timed at once.
-const PIECE: usize = 8192;
 /// Marks kept at most.
 const MOST_MARKS: usize = 4096;
 /// Planned seconds that must be done before the real pace is believed.
@@ -20,85 +17,73 @@ const WILDEST: f64 = 20.0;
 pub struct TimeTable {
     /// Line of the program, and seconds from the start until it is done. Ascending.
     marks: Vec<(usize, f64)>,
-    /// Every so many lines there is a mark.
-    stride: usize,
     /// All of it, s.
     pub total: f64,
 }
 
 /// Builds a [`TimeTable`] from events told one by one.
 pub struct Timer {
-    settings: Settings,
-    piece: Vec<Event>,
-    first_line: usize,
-    table: TimeTable,
+    clock: Clock,
+    table: Building,
 }
 
 impl Timer {
     /// For a machine with these settings.
-    pub fn new(settings: Settings) -> Timer {
+    pub fn new(settings: &Settings) -> Timer {
         Timer {
-            settings,
-            piece: Vec::new(),
-            first_line: 0,
-            table: TimeTable {
-                stride: 1,
-                ..TimeTable::default()
-            },
+            clock: Clock::new(settings),
+            table: Building::default(),
         }
     }
 
-    /// The next event of line `line`.
-    pub fn hear(&mut self, line: usize, event: &Event) {
-        if self.piece.is_empty() {
-            self.first_line = line;
-        }
-        self.piece
-            .push(with_line(event, line.saturating_sub(self.first_line) + 1));
-        if self.piece.len() >= PIECE {
-            self.flush();
-        }
+    /// The next event.
+    pub fn hear(&mut self, event: &Event) {
+        let table = &mut self.table;
+        self.clock
+            .hear(event, &mut |line, time| table.spent(line, time));
     }
 
     /// No more events.
-    pub fn finish(mut self) -> TimeTable {
-        self.flush();
-        self.table
-    }
-
-    fn flush(&mut self) {
-        let times = program_time(&self.piece, &self.settings);
-        self.piece.clear();
-        let table = &mut self.table;
-        for (index, seconds) in times.per_line.iter().enumerate() {
-            table.total += seconds;
-            let line = self.first_line + index;
-            if line.is_multiple_of(table.stride) {
-                table.marks.push((line, table.total));
-            }
-        }
-        while table.marks.len() > MOST_MARKS {
-            table.stride *= 2;
-            table.marks.retain(|(line, _)| line % table.stride == 0);
-        }
+    pub fn finish(self) -> TimeTable {
+        let Timer { clock, mut table } = self;
+        clock.finish(&mut |line, time| table.spent(line, time));
+        table.mark();
+        table.table
     }
 }
 
-/// The same event at another line.
-fn with_line(event: &Event, to: usize) -> Event {
-    let mut event = event.clone();
-    match &mut event {
-        Event::Motion(m) => m.line = to,
-        Event::Probe { motion, .. } => motion.line = to,
-        Event::Dwell { line, .. }
-        | Event::Spindle { line, .. }
-        | Event::Coolant { line, .. }
-        | Event::ToolChange { line, .. }
-        | Event::Pause { line, .. }
-        | Event::Sync { line }
-        | Event::End { line } => *line = to,
+/// A table to which time is still added.
+#[derive(Default)]
+struct Building {
+    table: TimeTable,
+    /// The line that time goes to.
+    line: usize,
+    /// Doublings of the number of lines for which one mark is kept.
+    coarse: u32,
+}
+
+impl Building {
+    fn spent(&mut self, line: usize, time: f64) {
+        if line != self.line {
+            self.mark();
+            self.line = line;
+        }
+        self.table.total += time;
     }
-    event
+
+    /// The present line is done.
+    fn mark(&mut self) {
+        let (marks, coarse) = (&mut self.table.marks, &mut self.coarse);
+        let last = marks.last().map_or(0, |m| m.0);
+        if self.line >> *coarse <= last >> *coarse {
+            return;
+        }
+        marks.push((self.line, self.table.total));
+        while marks.len() > MOST_MARKS {
+            *coarse += 1;
+            marks.dedup_by_key(|m| m.0 >> *coarse);
+        }
+    }
 }
 
 impl TimeTable {
@@ -147,13 +132,14 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
     use crate::gcode::{Dialect, interpret};
+    use crate::kinematics::line_times;
     use crate::machine::Machine;
 
     fn table(text: &str) -> TimeTable {
         let machine = Machine::load(crate::machine::DEFAULT_MACHINE).unwrap();
-        let mut timer = Timer::new(Settings::from(&machine));
+        let mut timer = Timer::new(&Settings::from(&machine));
         for event in &interpret(text, Dialect::Grbl).unwrap().events {
-            timer.hear(event.line(), event);
+            timer.hear(event);
         }
         timer.finish()
     }
@@ -164,17 +150,13 @@ mod tests {
             .map(|i| format!("G1 X{} Y{} F1000\n", i % 7, i % 11))
             .collect();
         let machine = Machine::load(crate::machine::DEFAULT_MACHINE).unwrap();
-        let whole = program_time(
+        let whole = line_times(
             &interpret(&text, Dialect::Grbl).unwrap().events,
             &Settings::from(&machine),
         );
         let t = table(&text);
-        assert!(
-            (t.total / whole.total.0 - 1.0).abs() < 1e-3,
-            "{} {}",
-            t.total,
-            whole.total.0
-        );
+        // The same times in the same order.
+        assert_eq!(t.total, whole.iter().sum::<f64>());
         assert!(t.marks.len() <= MOST_MARKS);
         let mut last = 0.0;
         for line in (0..21_000).step_by(37) {
@@ -182,8 +164,8 @@ mod tests {
             assert!(now >= last && now <= t.total + 1e-9, "{line}: {now} {last}");
             last = now;
         }
-        let direct: f64 = whole.per_line.iter().take(10_000).sum();
-        assert!((t.at(10_000) / direct - 1.0).abs() < 0.01);
+        let direct: f64 = whole.iter().take(10_000).sum();
+        assert!((t.at(10_000) / direct - 1.0).abs() < 1e-3);
     }
 
     #[test]

@@ -6,7 +6,8 @@
 //! {"t_s":1.020,"event":"report","state":"Run","line":12,...}
 //! {"t_s":9.100,"event":"ended","result":"done","message":"done",...}
 //! ```
-//! `t_s` counts from the opening of the port. The last line is always `ended`.
+//! With `--events` and without a terminal, lines on standard input are commands: `resume` answers a prompt (M0, a tool change) and a
+//! `confirm`; `hold`, `stop`, `door`, `feed+10` and so on as the keys. `t_s` counts from the opening of the port. The last line is always `ended`.
 
 use crate::link::{Outcome, Progress, PromptKind, Stall};
 use serde::Serialize;
@@ -79,6 +80,10 @@ pub enum Event {
         line: usize,
         tool: Option<u32>,
         text: Option<String>,
+    },
+    /// A measured tool: `resume` goes on with it.
+    Confirm {
+        text: String,
     },
     Paused {
         text: String,

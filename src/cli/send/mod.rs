@@ -6,29 +6,36 @@
 
 mod awake;
 mod board;
+mod change;
 mod crank;
 mod eta;
 mod events;
+mod hands;
 mod keys;
+mod listener;
+mod result;
 pub mod resume;
 mod screen;
 
-use super::check::read_program;
-use super::output::{say, write_json};
+use super::output::say;
+use super::program_file::ProgramFile;
 use crate::controller::{Controller, Pace, Pty};
 use crate::kinematics::Settings;
+use crate::link::errand::{ErrandOptions, Watch};
 use crate::link::journal::{JournalFile, Keeper};
 use crate::link::vet::{VetOptions, vet};
 use crate::link::{
-    Ending, Introduction, IntroductionOptions, Job, JobError, Known, NotIntroduced, Outcome,
-    Session, SessionOptions, Text, introduce, port,
+    Introduction, IntroductionOptions, Job, JobError, Known, NotIntroduced, Session,
+    SessionOptions, introduce, port,
 };
 use crate::machine::Machine;
 use board::Board;
-use crank::{Crank, Journal, Listener};
+use change::{Changer, Gauge, Range};
+use crank::{Crank, Journal};
 use eta::Timer;
+use hands::{Hands, Leave, Offer};
+use listener::Listener;
 use resume::{ResumeArgs, Subject};
-use serde::Serialize;
 use std::io::Write;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -60,10 +67,22 @@ pub struct SendArgs {
     /// Plain lines of progress even on a terminal
     #[arg(long)]
     pub plain: bool,
-    /// At a tool change (M6), on resume: probe Z onto a plate of this thickness right below the tool, and set work Z by it. Without it
-    /// the operator sees to the new tool's length before resuming
-    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    /// On the screen, before the first line: jog, home and set zero by keys; `r` begins
+    #[arg(long, conflicts_with_all = ["plain", "dry_run"])]
+    pub setup: bool,
+    /// At a tool change (M6): probe a plate of this thickness that lies on work Z zero, right below the tool. Without it and without
+    /// --tool-setter the operator touches the new tool off by keys. The difference is shown, confirmed, and written to every work offset
+    #[arg(
+        long,
+        value_name = "MM",
+        allow_negative_numbers = true,
+        conflicts_with = "tool_setter"
+    )]
     pub tool_plate: Option<f64>,
+    /// At a tool change (M6): measure the old tool and the new one on a fixed sensor at this place, machine coordinates in mm (homed
+    /// machine with soft limits)
+    #[arg(long, value_name = "X,Y", allow_hyphen_values = true, value_parser = change::place_of)]
+    pub tool_setter: Option<[f64; 2]>,
     /// Where to begin, and the journal
     #[command(flatten)]
     pub take_up: ResumeArgs,
@@ -85,29 +104,6 @@ pub fn pace(text: &str) -> Result<Pace, String> {
             "write a number above zero (1 is real time) up to {FASTEST}, or `max`"
         )),
     }
-}
-
-/// The stable content of `--json`. Lengths mm, times s.
-#[derive(Debug, Serialize)]
-struct Report {
-    /// Lines sent.
-    lines: usize,
-    /// Lines the controller answered.
-    acknowledged: usize,
-    /// Lines of the program that there are to send.
-    lines_total: usize,
-    /// Work position as the controller reports it, null if it never did.
-    final_position_mm: Option<[f64; 3]>,
-    /// False when steps may have been lost.
-    position_kept: bool,
-    /// From the first motion to the last standstill.
-    machine_time_s: f64,
-    /// Whose clock that was: `controller` or `host`.
-    machine_time_source: &'static str,
-    /// `done`, `stopped` or `error ...`.
-    result: String,
-    /// The same for people.
-    message: String,
 }
 
 /// Sends a program; results go to `out`, everything else to stderr. Returns the exit code: 0 done, 1 refused, alarm or stopped,
@@ -153,7 +149,7 @@ fn send(args: &SendArgs, out: &mut dyn Write) -> Result<u8, Failure> {
         )));
     }
     let name = args.program.display();
-    let text = read_program(&args.program).map_err(cannot)?;
+    let program = ProgramFile::open(&args.program).map_err(cannot)?;
     let settings = Settings::from(&machine);
     let refused = |errors: Vec<JobError>| {
         let list: Vec<String> = errors.iter().map(|e| format!("{name}:{e}")).collect();
@@ -162,11 +158,13 @@ fn send(args: &SendArgs, out: &mut dyn Write) -> Result<u8, Failure> {
             message: format!("the program cannot be sent:\n{}", list.join("\n")),
         }
     };
-    let source = Arc::new(Text(text.as_str().into()));
-    let mut timer = Timer::new(settings);
+    let source = Arc::new(program.clone());
+    let mut timer = Timer::new(&settings);
     // What is wrong with it whatever the machine is told before a port is opened: opening restarts most boards.
-    let rough = vet(source.clone(), VetOptions::default(), &mut |line, event| {
-        timer.hear(line.source, event)
+    let mut range = Range::default();
+    let rough = vet(source.clone(), VetOptions::default(), &mut |_, event| {
+        timer.hear(event);
+        range.hear(event);
     })
     .map_err(refused)?;
     let times = timer.finish();
@@ -216,7 +214,29 @@ fn send(args: &SendArgs, out: &mut dyn Write) -> Result<u8, Failure> {
             },
             _ => cannot(e),
         })?;
-    let plan = Plan::make(args, &machine, &text, &known)?;
+    let known = match args.setup {
+        false => known,
+        true => {
+            let mut hands = Hands {
+                port: &mut port,
+                start,
+                options: ErrandOptions {
+                    rx_bytes: machine.rx_buffer,
+                    ..ErrandOptions::default()
+                },
+                step: hands::FIRST_STEP,
+            };
+            let title = format!("{name} on {}", machine.title);
+            match set_up(title, &mut hands, known)? {
+                Some(known) => known,
+                None => {
+                    say("nothing was sent");
+                    return Ok(1);
+                }
+            }
+        }
+    };
+    let plan = Plan::make(args, &machine, &program, rough.source_lines, &known)?;
     let job = match plan.job {
         Some(job) => job,
         None => vet(
@@ -254,12 +274,47 @@ fn send(args: &SendArgs, out: &mut dyn Write) -> Result<u8, Failure> {
             port: &mut port,
             journal,
             start,
-            tool_plate: args.tool_plate,
+            changer: Changer {
+                gauge: match (args.tool_plate, args.tool_setter) {
+                    (Some(plate), _) => Gauge::Plate(plate),
+                    (None, Some(at)) => Gauge::Sensor(at),
+                    (None, None) => Gauge::Hand,
+                },
+                range: range.0,
+                yes: args.take_up.yes,
+                ..Changer::default()
+            },
             rx_bytes: machine.rx_buffer,
         }
         .turn(&mut listener)
     };
-    tell(args, out, &outcome, pty.as_ref())
+    result::tell(args, out, &outcome, pty.as_ref())
+}
+
+/// The machine in the operator's hands before the first line. What is known of it then; `None` when there is to be no job.
+fn set_up(title: String, hands: &mut Hands<'_>, known: Known) -> Result<Option<Known>, Failure> {
+    let board = Board {
+        title,
+        version: known.version.clone(),
+        attention: Some("before the start: jog, home, set zero; r begins, x leaves".to_string()),
+        ..Board::default()
+    };
+    let mut listener = Listener::new(board, None, false).map_err(cannot)?;
+    if !listener.has_keys() {
+        return Err(cannot(
+            "--setup needs a terminal for its keys: leave it out, and use `morsemill jog`, `zero` and `home`",
+        ));
+    }
+    match hands.by_hand(known, &mut listener, Offer::Start) {
+        // Whatever was set meanwhile, the job is vetted with the offsets that hold now.
+        Leave::GoOn | Leave::Measure => {
+            let now = hands.afresh(Watch { quit: true }, &mut listener);
+            now.result.map_err(cannot)?;
+            Ok(Some(now.known))
+        }
+        Leave::Stop => Ok(None),
+        Leave::Lost(e) => Err(cannot(e)),
+    }
 }
 
 /// Where the job begins, and its journal.
@@ -274,13 +329,15 @@ impl Plan {
     fn make(
         args: &SendArgs,
         machine: &Machine,
-        text: &str,
+        program: &ProgramFile,
+        lines: usize,
         known: &Known,
     ) -> Result<Plan, Failure> {
         let subject = Subject {
             path: &args.program,
-            bytes: text.as_bytes(),
-            text,
+            program,
+            sha256: &program.fingerprint().map_err(cannot)?,
+            lines,
             machine,
             known,
             skips_slashed: false,
@@ -336,57 +393,6 @@ fn open_journal(
     Ok(Journal { keeper, file })
 }
 
-fn tell(
-    args: &SendArgs,
-    out: &mut dyn Write,
-    outcome: &Outcome,
-    pty: Option<&Pty>,
-) -> Result<u8, Failure> {
-    let (machine_time_s, machine_time_source) = match pty {
-        Some(pty) => (pty.readout().elapsed_s, "controller"),
-        None => (outcome.running_s, "host"),
-    };
-    let report = Report {
-        lines: outcome.sent,
-        acknowledged: outcome.acknowledged,
-        lines_total: outcome.total,
-        final_position_mm: outcome.position,
-        position_kept: outcome.position_kept,
-        machine_time_s,
-        machine_time_source,
-        result: outcome.ending.key(),
-        message: outcome.ending.to_string(),
-    };
-    // The job has ended whatever happens here: one lost copy of the result must not cost the other.
-    let kept = args
-        .json
-        .as_ref()
-        .map_or(Ok(()), |file| write_json(file, &report));
-    let told = match summary(args, &report, out).and_then(|()| out.flush()) {
-        Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => {
-            Err(format!("standard output: {e}"))
-        }
-        _ => Ok(()),
-    };
-    let lost = match (kept, told) {
-        (Err(super::Failure::Rejected(text) | super::Failure::Failed(text)), _)
-        | (_, Err(text)) => text,
-        _ => return Ok(exit_code(outcome)),
-    };
-    Err(cannot(format!(
-        "{lost} (the job itself: {})",
-        report.message
-    )))
-}
-
-fn exit_code(outcome: &Outcome) -> u8 {
-    match outcome.ending {
-        Ending::Done => 0,
-        Ending::Silent { .. } | Ending::Broken(_) if outcome.sent == 0 => 2,
-        _ => 1,
-    }
-}
-
 /// `$` settings that the machine file promises, so that a difference can be told.
 fn promised(machine: &Machine) -> Vec<(u16, f64)> {
     let mut settings = vec![
@@ -400,41 +406,6 @@ fn promised(machine: &Machine) -> Vec<(u16, f64)> {
         settings.push((130 + offset, machine.travel[axis].0));
     }
     settings
-}
-
-fn summary(args: &SendArgs, report: &Report, out: &mut dyn Write) -> std::io::Result<()> {
-    if args.events.as_ref().is_some_and(|e| e.as_os_str() == "-") {
-        // Standard output belongs to the events, whose last one says it all.
-        return Ok(());
-    }
-    writeln!(
-        out,
-        "lines sent           {} of {}",
-        report.lines, report.lines_total
-    )?;
-    writeln!(out, "lines acknowledged   {}", report.acknowledged)?;
-    match report.final_position_mm {
-        Some([x, y, z]) => {
-            // Adding zero turns a negative zero into a plain one.
-            let (x, y, z) = (x + 0.0, y + 0.0, z + 0.0);
-            let doubt = if report.position_kept {
-                ""
-            } else {
-                "  (not certain: steps may be lost)"
-            };
-            writeln!(
-                out,
-                "final position       X{x:.3} Y{y:.3} Z{z:.3} mm, work{doubt}"
-            )?;
-        }
-        None => writeln!(out, "final position       not reported")?,
-    }
-    writeln!(
-        out,
-        "machine time         {:.2} s ({} clock)",
-        report.machine_time_s, report.machine_time_source
-    )?;
-    writeln!(out, "result               {}", report.message)
 }
 
 #[cfg(test)]
@@ -453,7 +424,9 @@ mod tests {
             json: None,
             events: None,
             plain: false,
+            setup: false,
             tool_plate: None,
+            tool_setter: None,
             take_up: ResumeArgs::default(),
         }
     }

@@ -5,13 +5,14 @@
 //! never overwritten: `send` asks for `--resume` or `--discard-journal`.
 
 use crate::cli::Failure;
+use crate::cli::program_file::ProgramFile;
 use crate::gcode::Dialect;
-use crate::link::journal::{Begin, Damage, FORMAT, History, Offsets, Start, fingerprint, read};
+use crate::link::journal::{Begin, Damage, FORMAT, History, JournalFile, Offsets, Start, read};
 use crate::link::resume::{Now, Overlap, Plan, ResumeOptions, Trust, from_line, resume};
 use crate::link::vet::{self, VetOptions};
-use crate::link::{Job, Known, Text};
+use crate::link::{Job, Known};
 use crate::machine::Machine;
-use crate::simulate::{DryRunOptions, Kind, Stock, dry_run};
+use crate::simulate::{DryRunOptions, Kind, Stock, dry_run_of};
 use std::fmt::Write as _;
 use std::io::{self, BufRead as _, BufReader, IsTerminal as _};
 use std::path::{Path, PathBuf};
@@ -47,7 +48,7 @@ pub struct ResumeArgs {
     /// Your word that position, work zero and part are right, whatever the journal says
     #[arg(long)]
     pub trust_position: bool,
-    /// Do not ask
+    /// Do not ask: the part is clamped where it was, and the tool is the one of the plan
     #[arg(long)]
     pub yes: bool,
 }
@@ -124,6 +125,12 @@ pub fn look(path: &Path) -> Result<Found, Failure> {
         Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(Found::Nothing),
         Err(e) => return Err(unreadable(e)),
     };
+    if JournalFile::in_use(path).map_err(unreadable)? {
+        return Err(Failure::Rejected(format!(
+            "{}: another morsemill is sending this job and writes this journal now: wait until it ends, or stop it",
+            path.display()
+        )));
+    }
     let history = read(BufReader::new(file)).map_err(unreadable)?;
     Ok(match history.done {
         true => Found::Finished,
@@ -134,7 +141,8 @@ pub fn look(path: &Path) -> Result<Found, Failure> {
 /// Old journals kept beside the new one.
 const KEPT: u32 = 9;
 
-/// Sets a journal aside: `.1` is the newest. Nothing there is fine.
+/// Sets a journal aside: `.1` is the newest. It stays where it is too, until the next takes its place: whoever is killed in between
+/// leaves a journal to resume by. Nothing there is fine.
 ///
 /// # Errors
 /// The files cannot be renamed.
@@ -157,7 +165,20 @@ pub fn set_aside(path: &Path) -> Result<(), Failure> {
     for n in (1..KEPT).rev() {
         rename(&numbered(n), &numbered(n + 1))?;
     }
-    rename(path, &numbered(1))
+    // A second name; where a file system has none for it, a copy.
+    let kept = std::fs::hard_link(path, numbered(1))
+        .or_else(|_| std::fs::copy(path, numbered(1)).map(|_| ()));
+    kept.map_err(|e| {
+        Failure::Failed(format!(
+            "{}: cannot set the old journal aside: {e}",
+            path.display()
+        ))
+    })
+}
+
+/// Damage that may hide that something was sent.
+fn is_sound(history: &History) -> bool {
+    !matches!(history.damage, Damage::Broken { .. })
 }
 
 /// A job that begins at its first line must not bury a broken one: makes room for its journal.
@@ -167,8 +188,12 @@ pub fn set_aside(path: &Path) -> Result<(), Failure> {
 pub fn make_room(path: &Path, discard: bool) -> Result<(), Failure> {
     if let Found::Unfinished(history) = look(path)?
         && !discard
-        && history.sent.max(history.allowed) > 0
+        && (history.sent.max(history.allowed) > 0 || !is_sound(&history))
     {
+        if let Some(format) = history.foreign {
+            let why = crate::link::resume::Refusal::OtherFormat(format);
+            return Err(Failure::Rejected(format!("{}: {why}", path.display())));
+        }
         let lines = history.begin.as_ref().map_or(0, |b| b.lines);
         return Err(Failure::Rejected(format!(
             "{}: a job of this program was broken after line {} of {lines} was answered ({}): take it up with --resume, or begin afresh with --discard-journal",
@@ -188,10 +213,12 @@ pub fn make_room(path: &Path, discard: bool) -> Result<(), Failure> {
 pub struct Subject<'a> {
     /// Path of the program, as given.
     pub path: &'a Path,
-    /// Its bytes.
-    pub bytes: &'a [u8],
-    /// The same as text.
-    pub text: &'a str,
+    /// The program itself.
+    pub program: &'a ProgramFile,
+    /// SHA-256 of its bytes.
+    pub sha256: &'a str,
+    /// Its lines.
+    pub lines: usize,
     /// The machine.
     pub machine: &'a Machine,
     /// What the controller says of itself.
@@ -222,9 +249,8 @@ impl Subject<'_> {
         Begin {
             format: FORMAT,
             program: self.path.display().to_string(),
-            sha256: fingerprint(self.bytes),
-            lines: crate::gcode::lines(self.text.strip_prefix('\u{feff}').unwrap_or(self.text))
-                .count(),
+            sha256: self.sha256.to_string(),
+            lines: self.lines,
             machine: self.machine.name.clone(),
             firmware: known.version.clone(),
             dialect: known.dialect().name().to_string(),
@@ -254,7 +280,7 @@ impl Subject<'_> {
         };
         if let Some(line) = args.from_line {
             let options = args.options();
-            return from_line(self.text, line, self.skips_slashed, &now, &options)
+            return from_line(self.program, line, self.skips_slashed, &now, &options)
                 .map_err(rejected);
         }
         let path = journal_path(self.path, args.journal.as_deref());
@@ -271,14 +297,7 @@ impl Subject<'_> {
             }
         };
         notes.extend(damage(&history));
-        resume(
-            self.text,
-            &fingerprint(self.bytes),
-            &history,
-            &now,
-            &args.options(),
-        )
-        .map_err(rejected)
+        resume(self.program, self.sha256, &history, &now, &args.options()).map_err(rejected)
     }
 
     /// Simulates a plan: vets what will be sent, way in included, by the controller's own limits, and runs the resumed program dry on the
@@ -304,7 +323,7 @@ impl Subject<'_> {
             },
             ..VetOptions::of(self.known, Some(travel))
         };
-        let source = Arc::new(Text(self.text.into()));
+        let source = Arc::new(self.program.clone());
         let job = vet::vet(source, options, &mut |_, _| {}).map_err(|errors| {
             let list: Vec<String> = errors
                 .iter()
@@ -317,8 +336,8 @@ impl Subject<'_> {
         })?;
         let dialect: Dialect = self.known.dialect();
         let judged = DryRunOptions::new(0.02, Stock::Allowance(0.0));
-        let run = dry_run(
-            &plan.program(self.text),
+        let run = dry_run_of(
+            &|| plan.reader(self.program),
             dialect,
             self.machine,
             None,
@@ -380,7 +399,9 @@ pub fn ask(yes: bool) -> Result<(), Failure> {
             "nothing was sent: look at the plan above and say --yes to carry it out".to_string(),
         ));
     }
-    crate::cli::output::say("go on? Type yes and Enter:");
+    crate::cli::output::say(
+        "go on? Only if the part is clamped where it was and this is the tool: type yes and Enter:",
+    );
     let mut line = String::new();
     let read = io::stdin().lock().read_line(&mut line);
     match read.is_ok() && line.trim().eq_ignore_ascii_case("yes") {

@@ -53,6 +53,13 @@ pub(super) fn call(job: &mut Job, at: u32) -> Said {
             "another file is not read; write its blocks into this one, as a subprogram",
         );
     }
+    if job.scan.take_text("SELECTED") {
+        return refuse(
+            at,
+            "CALL SELECTED",
+            "another file is not read; write its blocks into this one, as a subprogram",
+        );
+    }
     if !job.scan.take_text("LBL") {
         let (command, what) = ("CALL", "LBL");
         return wrong(job.scan.at(), Wrong::Missing { command, what });

@@ -55,6 +55,13 @@ pub(super) struct Memory {
     tools: Vec<Name>,
 }
 
+impl Memory {
+    /// A call that this line counted came to nothing.
+    pub fn not_called(&mut self, times: u32) {
+        self.modes.depth = self.modes.depth.saturating_sub(times);
+    }
+}
+
 /// The part that is copied for every line.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Modes {

@@ -268,6 +268,15 @@ fn in_plane(words: &Words, command: &'static str, at: u32) -> Result<(), Fault> 
         let what = "an end point in X and Y";
         return wrong(at, Wrong::Missing { command, what });
     }
+    // With Z and one of X and Y the control may take the arc for one of that plane (TNC 640, "Circular path C": arcs in the XZ plane).
+    if words.axes[2].is_some() && (words.axes[0].is_none() || words.axes[1].is_none()) {
+        let name = format!("{command} with Z and one of X and Y");
+        return refuse(
+            words.first_at,
+            &name,
+            "it may be an arc of another plane; give X, Y and Z, or post it as lines",
+        );
+    }
     Ok(())
 }
 

@@ -72,6 +72,13 @@ pub(super) fn block(job: &mut Job) -> Said {
                 "free contours are computed by the control; post them as L and CR",
             );
         }
+        "SEL" | "PATTERN" | "TCH" | "OPEN" | "CLOSE" | "FPOS" => {
+            return refuse(
+                at,
+                &word,
+                "tables, patterns and touch probes are the control's; post the motions themselves",
+            );
+        }
         "SPL" => return refuse(at, "SPL", "post the spline as short lines (L)"),
         "FUNCTION" => return refuse(at, "FUNCTION", FIVE_AXES),
         "LN" => return refuse(at, "LN", FIVE_AXES),

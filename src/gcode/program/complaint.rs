@@ -28,6 +28,14 @@ pub enum FlowComplaint {
         /// `N50`.
         label: Box<str>,
     },
+    /// Siemens: a word by itself is the call of a subprogram, if it is nothing else.
+    #[error(
+        "{name} is no command that is read here, and no subprogram of this file (%_N_{name}_SPF): correct it, remove it, or append the subprogram"
+    )]
+    NoCommand {
+        /// The word.
+        name: Box<str>,
+    },
     /// Call of a program that is not in this file.
     #[error(
         "{label} is not in this file, and programs in other files are not read: append it to this file"

@@ -18,6 +18,7 @@ mod frame;
 mod front;
 mod labels;
 mod macros;
+mod okuma;
 mod oword;
 mod tongue;
 mod words;
@@ -233,6 +234,25 @@ impl<R: BufRead + Seek> Interpreter<R> {
             }
         }
         errors
+    }
+
+    /// Reads on until the program is over and tells each event as it comes: all its mistakes, none if it is sound. Events told before a
+    /// mistake are those of a program that is not to be run.
+    pub fn tell_all(&mut self, hear: &mut dyn FnMut(&Event)) -> Vec<InterpretError> {
+        let mut errors = Vec::new();
+        let mut events = std::mem::take(&mut self.events);
+        events.drain(..self.handed);
+        self.handed = 0;
+        loop {
+            events.iter().for_each(&mut *hear);
+            events.clear();
+            if self.over {
+                return errors;
+            }
+            if let Err(e) = self.line(&mut events) {
+                errors.extend(self.report(e));
+            }
+        }
     }
 
     /// Reads one line.

@@ -47,9 +47,16 @@ impl<R: BufRead + Seek> Interpreter<R> {
                 Ok(())
             }
             Flow::Call { label, times } => {
-                self.may_call(0)?;
-                let (_, behind) = self.anywhere(&label)?;
-                self.enter(Frame::call(Kind::Program, label, behind, times))
+                let called = self.call_label(label, times);
+                if called.is_err() {
+                    // The language has counted it: it must not wait for its return.
+                    match &mut self.language {
+                        Language::Siemens(memory) => memory.not_called(times),
+                        Language::Heidenhain(memory) => memory.not_called(times),
+                        _ => {}
+                    }
+                }
+                called
             }
             Flow::Repeat { label, times } => {
                 let (at, _) = self.anywhere(&label)?;
@@ -59,13 +66,28 @@ impl<R: BufRead + Seek> Interpreter<R> {
         }
     }
 
+    /// Into a subprogram.
+    fn call_label(&mut self, label: Label, times: u32) -> Result<(), Fault> {
+        self.may_call(0)?;
+        let (_, behind) = self.anywhere(&label)?;
+        self.enter(Frame::call(Kind::Program, label, behind, times))
+    }
+
     /// A label, wherever it stands: its line, and where the next one begins.
     fn anywhere(&mut self, label: &Label) -> Result<(LineStart, LineStart), Fault> {
         let name = label_of(&self.language);
         let start = self.labels.program(&mut self.source, label, name);
         let Some(start) = start.map_err(|e| unreadable(&e))? else {
-            let label = label.clone();
-            return Err(flow(0, FlowComplaint::LabelMissing { label }));
+            let name = label.strip_prefix("%_N_").and_then(|l| l.strip_suffix("_SPF"));
+            return Err(flow(
+                0,
+                match name {
+                    Some(name) => FlowComplaint::NoCommand { name: name.into() },
+                    None => FlowComplaint::LabelMissing {
+                        label: label.clone(),
+                    },
+                },
+            ));
         };
         if let Some(second) = start.second {
             let (label, first) = (label.clone(), start.found.line.line);

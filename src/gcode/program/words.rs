@@ -7,6 +7,7 @@
 use super::expand::{Expanded, expand};
 use super::frame::Kind;
 use super::front::{Front, front, program_number};
+use super::okuma;
 use super::{FlowComplaint, Interpreter, flow};
 use crate::gcode::dialect::Dialect;
 use crate::gcode::error::Fault;
@@ -66,6 +67,13 @@ impl<R: BufRead + Seek> Interpreter<R> {
             && rest.trim_end().ends_with('%')
         {
             return Ok(());
+        }
+        if dialect == Dialect::Okuma {
+            if !self.begun && okuma::is_name(rest) {
+                self.begun = true;
+                return Ok(());
+            }
+            okuma::check(rest, front.body)?;
         }
         // Okuma's programs have numbers, too, but nothing here calls them.
         if rest.starts_with(['O', 'o', ':']) && dialect != Dialect::Eding {

@@ -97,5 +97,7 @@ pub(super) static CENTROID: Rules = Rules {
     dwell_words: "P or X (seconds)",
     twenty: OffsetTwenty::No,
     cycles: Some(&CYCLE_RULES),
+    other_m: BUILDERS_M,
+    tool_named: true,
     ..PLAIN
 };

@@ -50,6 +50,14 @@ pub(super) const RETRACTS_FILAMENT: &str =
 pub(super) const NO_D: &str =
     "D names a cutter radius, and compensation is not supported; remove it";
 
+/// M functions that builders (Fanuc, Haas, ...) or users (macros of Mach, UCCNC, ...) make.
+pub(super) const BUILDERS_M: Option<&str> =
+    Some("what it does on this machine is not known here; remove it, or write out what it does");
+pub(super) const TILTED: &str =
+    "it tilts the plane of work, which needs rotary axes; post the program for three axes";
+pub(in crate::gcode) const TOOL_TABLE: &str =
+    "it writes lengths or radii into the control's tool table; set them at the control";
+
 /// Straight lines, arcs, planes, units, distances, G54 to G59, path of the tool centre.
 pub(super) const BASE: &[Entry] = &[
     (0, Motion(MotionMode::Rapid)),
@@ -271,8 +279,12 @@ pub(super) const INDUSTRY: &[Entry] = &[
         Refused("modal macro calls run a program behind every move; call it by G65"),
     ),
     (6700, Nothing(Group::Macro, NONE, "modal macro call off")),
+    (5310, Refused(TILTED)),
     (6800, Refused(ROTATION)),
+    (6820, Refused(TILTED)),
+    (6830, Refused(TILTED)),
     (6900, Nothing(Group::Rotation, NONE, "rotation off")),
+    (6910, Nothing(Group::Rotation, NONE, "rotation off")),
     (9600, Refused(SURFACE_SPEED)),
     (
         9700,
@@ -317,6 +329,7 @@ pub(super) const PLAIN: Rules = Rules {
     assumed: &[],
     g: &[],
     m: &[],
+    other_m: None,
     letters: Letters::of(b"FHIJKLNPQRSTXYZ"),
     refused: &[(b'D', NO_D)],
     positive: Letters::of(b"FHNPQST"),
@@ -324,6 +337,7 @@ pub(super) const PLAIN: Rules = Rules {
     pointless: NONE,
     tool_limit: 99_999,
     tool_word: ToolWord::Select,
+    tool_named: false,
     length: LineLength::Any,
     digits: 18,
     parentheses: Parentheses::Strict,

@@ -3,7 +3,7 @@
 use crate::gcode::error::Code;
 
 /// A mistake that only some dialects know. Each text says what is wrong and what to do next.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum RuleComplaint {
     /// A code that is known and refused.
     #[error("{code} is refused: {why}")]
@@ -20,6 +20,14 @@ pub enum RuleComplaint {
         letter: char,
         /// Why, and what to do.
         why: &'static str,
+    },
+    /// `,C` `,R` `,A`: corners and angles that the control computes.
+    #[error(
+        ",{letter} is refused: the control works out the corner or the point by itself; post it as G1, G2 or G3 with its coordinates"
+    )]
+    CommaWord {
+        /// The letter.
+        letter: char,
     },
     /// A number without a point where the control would count its smallest steps.
     #[error(
@@ -74,6 +82,11 @@ pub enum RuleComplaint {
         /// What is missing.
         word: &'static str,
     },
+    /// X or Y beside a repetition of zero: whether the tool goes there differs.
+    #[error(
+        "whether a cycle that is not repeated (zero times) goes to its X and Y differs: name the first hole on the next line"
+    )]
+    CycleNoHole,
     /// A cycle in another plane than G17.
     #[error("drilling cycles are understood in G17 only: put G17 before them")]
     CyclePlane,
@@ -137,6 +150,14 @@ pub enum RuleComplaint {
         "; ends the block on this control, and what follows would be read as the next: write ( ) around a comment"
     )]
     BehindEndOfBlock,
+    /// Okuma: variables, jumps and calls.
+    #[error(
+        "{name} is refused: user tasks (variables, jumps, calls, named lines) are not read; write the moves out with their numbers"
+    )]
+    UserTask {
+        /// The statement or the variable.
+        name: Box<str>,
+    },
     /// A language of its own.
     #[error("this control's language is not made of plain words, and is not read here")]
     OtherLanguage,

@@ -67,6 +67,8 @@ pub(super) static EDING: Rules = Rules {
     blend_words: Letters::of(b"PQ"),
     offsets: 9,
     cycles: Some(&CYCLE_RULES),
+    other_m: BUILDERS_M,
+    tool_named: true,
     ..PLAIN
 };
 
@@ -125,5 +127,7 @@ pub(super) static PLANET: Rules = Rules {
     blend_words: Letters::of(b"PQ"),
     offsets: 9,
     cycles: Some(&CYCLE_RULES),
+    other_m: BUILDERS_M,
+    tool_named: true,
     ..PLAIN
 };

@@ -26,6 +26,14 @@ const OWN: &[Entry] = &[
     PER_TURN,
     INVERSE_TIME,
     (
+        500,
+        Nothing(
+            Group::Smoothing,
+            P,
+            "high-speed contour control on or off (P10000, P2, P0)",
+        ),
+    ),
+    (
         510,
         Nothing(
             Group::Smoothing,
@@ -110,11 +118,18 @@ pub(super) static FANUC: Rules = Rules {
     offsets_add: true,
     offset_p: Some((0, 6, 300)),
     cycles: Some(&FANUC_CYCLES),
+    other_m: BUILDERS_M,
+    tool_named: true,
     ..PLAIN
 };
 
 const NO_POCKET: &str =
     "this pocket or pattern cycle makes many moves by the control's own rules; write them out";
+
+const GEARS: &str = "it forces a gear; the control chooses by S, so remove it";
+const AIR: &str = "it blows air at the tool, and no post here carries that over; remove it";
+const THROUGH_SPINDLE: &str =
+    "it is coolant through the spindle, and no post here carries that over; use M8 and M9";
 
 const HAAS_OWN: &[Entry] = &[
     (
@@ -190,6 +205,15 @@ const HAAS_OWN: &[Entry] = &[
 ];
 
 const HAAS_M: &[Entry] = &[
+    (3400, Nothing(Group::Chips, NONE, "coolant nozzle down a step")),
+    (3500, Nothing(Group::Chips, NONE, "coolant nozzle up a step")),
+    (4100, Refused(GEARS)),
+    (4200, Refused(GEARS)),
+    (8300, Refused(AIR)),
+    (8400, Refused(AIR)),
+    (8800, Refused(THROUGH_SPINDLE)),
+    (8900, Refused(THROUGH_SPINDLE)),
+    (9700, Refused("a local call takes P and stands by itself: M97 P and the line number")),
     (2900, Refused(TAPPING)),
     (3100, Nothing(Group::Chips, NONE, "chip conveyor on")),
     (3300, Nothing(Group::Chips, NONE, "chip conveyor off")),
@@ -244,6 +268,8 @@ pub(super) static HAAS: Rules = Rules {
     twenty: OffsetTwenty::Further(99),
     offsets_add: true,
     cycles: Some(&HAAS_CYCLES),
+    other_m: BUILDERS_M,
+    tool_named: true,
     ..PLAIN
 };
 
@@ -306,5 +332,7 @@ pub(super) static MAZAK: Rules = Rules {
     twenty: OffsetTwenty::Further(300),
     offsets_add: true,
     cycles: Some(&FANUC_CYCLES),
+    other_m: BUILDERS_M,
+    tool_named: true,
     ..PLAIN
 };

@@ -36,6 +36,11 @@ const OWN: &[Entry] = &[
     (4400, Refused(MINUS_LENGTH)),
 ];
 
+const AGAIN: &[Entry] = &[(
+    4700,
+    Refused("it runs the program again and again; write M30, and start it again by hand"),
+)];
+
 const MACH3_OWN: &[Entry] = &[(
     5200,
     Refused("Mach3 keeps it together with G92 in ways that differ by version; use G54 to G59"),
@@ -70,13 +75,15 @@ pub(super) static MACH3: Rules = Rules {
         OWN,
         MACH3_OWN,
     ],
-    m: &[M_BASE, M_TOOLED, M_OVERRIDES],
+    m: &[M_BASE, M_TOOLED, M_OVERRIDES, AGAIN],
     letters: Letters::of(b"FHIJKLNOPQRSTXYZ"),
     tool_limit: 255,
     twenty: OffsetTwenty::No,
     offsets: 254,
     offset_p: Some((5, 0, 254)),
     cycles: Some(&CYCLE_RULES),
+    other_m: BUILDERS_M,
+    tool_named: true,
     ..PLAIN
 };
 
@@ -126,11 +133,13 @@ pub(super) static MACH4: Rules = Rules {
         OWN,
         INDUSTRY,
     ],
-    m: &[M_BASE, M_TOOLED, M_OVERRIDES, M_ORIENT],
+    m: &[M_BASE, M_TOOLED, M_OVERRIDES, M_ORIENT, AGAIN],
     letters: Letters::of(b"FHIJKLNOPQRSTXYZ"),
     twenty: OffsetTwenty::Further(248),
     home_beside_motion: true,
     cycles: Some(&MACH4_CYCLES),
+    other_m: BUILDERS_M,
+    tool_named: true,
     ..PLAIN
 };
 
@@ -162,11 +171,19 @@ pub(super) static UCCNC: Rules = Rules {
         OTHER_CYCLES,
         OWN,
     ],
-    m: &[M_BASE, M_TOOLED, M_OVERRIDES, &[(3100, Refused(NO_HANDLE))]],
+    m: &[
+        M_BASE,
+        M_TOOLED,
+        M_OVERRIDES,
+        AGAIN,
+        &[(3100, Refused(NO_HANDLE))],
+    ],
     letters: Letters::of(b"FHIJKLNOPQRSTXYZ"),
     tool_limit: 96,
     dwell: &[(b'P', Unit::Milliseconds)],
     dwell_words: "P (milliseconds)",
     cycles: Some(&UCCNC_CYCLES),
+    other_m: BUILDERS_M,
+    tool_named: true,
     ..PLAIN
 };

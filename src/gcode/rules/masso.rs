@@ -92,5 +92,7 @@ pub(super) static MASSO: Rules = Rules {
     dwell_words: "P (milliseconds)",
     twenty: OffsetTwenty::No,
     cycles: Some(&CYCLE_RULES),
+    other_m: BUILDERS_M,
+    tool_named: true,
     ..PLAIN
 };

@@ -20,6 +20,7 @@ mod printer;
 mod table;
 mod tinyg;
 
+pub(in crate::gcode) use common::TOOL_TABLE;
 pub use complaint::RuleComplaint;
 pub use table::{Row, Table, table};
 
@@ -168,6 +169,8 @@ pub(super) struct Rules {
     pub g: &'static [&'static [Entry]],
     /// M codes, likewise.
     pub m: &'static [&'static [Entry]],
+    /// Why M codes that are not in the tables are refused, where builders and users add their own.
+    pub other_m: Option<&'static str>,
     /// Letters of value words.
     pub letters: Letters,
     /// Letters refused by name.
@@ -180,6 +183,8 @@ pub(super) struct Rules {
     pub pointless: Letters,
     pub tool_limit: u32,
     pub tool_word: ToolWord,
+    /// M6 needs a T, in its line or before.
+    pub tool_named: bool,
     pub length: LineLength,
     /// Digits of a number that are read.
     pub digits: u32,

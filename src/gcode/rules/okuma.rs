@@ -138,5 +138,7 @@ pub(super) static OKUMA: Rules = Rules {
     dwell_words: "F or P (seconds, with a point)",
     length_needs_h: true,
     twenty: OffsetTwenty::No,
+    other_m: BUILDERS_M,
+    tool_named: true,
     ..PLAIN
 };

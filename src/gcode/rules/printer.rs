@@ -12,6 +12,10 @@ const FAN: &str = "here it is a fan (some wire a spindle to it); use M3 and M5";
 const MOTORS: &str = "it lets go of the motors, and the position is lost; remove it";
 const HEAT: &str = "it heats, and a mill has nothing to heat; remove it";
 const TUNING: &str = "it changes how the machine moves; set that at the machine";
+const MESSAGE: &str = "it shows a text, which is not read; write it as a comment behind ;";
+/// The firmwares have hundreds of these, for printing, settings and questions.
+const NO_MILLING: Option<&str> =
+    Some("what it does is not read here (printing, settings, questions to the firmware); remove it");
 const NO_CYCLES: &str = "drilling cycles are not built in here; write the moves out";
 
 const PRINTER: &[Entry] = &[
@@ -45,6 +49,9 @@ const PRINTER_M: &[Entry] = &[
     (22000, Refused(TUNING)),
     (22100, Refused(TUNING)),
     (40000, Wait),
+    (11000, Nothing(Group::Data, NONE, "sets the number of the line")),
+    (11700, Refused(MESSAGE)),
+    (11800, Refused(MESSAGE)),
 ];
 
 const E: (u8, &str) = (b'E', EXTRUDER);
@@ -156,6 +163,7 @@ pub(super) static MARLIN: Rules = Rules {
     dwell_words: "P (milliseconds) or S (seconds)",
     whole_circle: true,
     twenty: OffsetTwenty::No,
+    other_m: NO_MILLING,
     ..PLAIN
 };
 
@@ -223,6 +231,7 @@ pub(super) static SMOOTHIE: Rules = Rules {
     arc_miss: ArcMiss::Grbl,
     offsets: 9,
     rapid_feed_apart: true,
+    other_m: NO_MILLING,
     ..PLAIN
 };
 
@@ -301,5 +310,6 @@ pub(super) static REPRAP: Rules = Rules {
     offsets: 9,
     spindle_p: true,
     rapid_feed_apart: true,
+    other_m: NO_MILLING,
     ..PLAIN
 };

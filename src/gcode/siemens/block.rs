@@ -319,6 +319,9 @@ fn name(job: &mut Job, block: &mut Block, at: u32) -> Result<(), Fault> {
     if let Some(why) = keyword::refused(&upper) {
         return refuse(at, &upper, why);
     }
+    if upper == "MSG" {
+        return program::message(job, at);
+    }
     if job.scan.blanks().peek() == Some(b'(') {
         return refuse(
             at,

@@ -35,7 +35,7 @@ fn arguments(job: &mut Job, name: &str, at: u32, most: usize) -> Result<Vec<Opti
             return refuse(
                 place,
                 &format!("{name} with more arguments"),
-                "this reader knows the form RTP, RFP, SDIS, DP, DPR and DTB; post the motions themselves",
+                "this reader knows RTP, RFP, SDIS, DP, DPR and DTB, and what stands behind them changes what these mean; post the motions themselves",
             );
         }
         if job.scan.blanks().take(b')') {
@@ -50,7 +50,8 @@ fn arguments(job: &mut Job, name: &str, at: u32, most: usize) -> Result<Vec<Opti
 
 /// `CYCLE81(RTP, RFP, SDIS, DP, DPR)`, `CYCLE82(..., DTB)`, behind the name.
 pub(super) fn read(job: &mut Job, name: &str, at: u32) -> Result<Drilling, Fault> {
-    let most = if name == "CYCLE82" { 6 } else { 5 };
+    // Newer software has DTB in CYCLE81, too.
+    let most = 6;
     let all = arguments(job, name, at, most)?;
     let mm = job.mm();
     let get = |i: usize| all.get(i).copied().flatten();

@@ -14,7 +14,7 @@ pub(super) enum Keyword {
 }
 
 /// What is said of smoothing, jerk, feed at arcs and dynamics, which changes times and not places, and of what is off anyway.
-const NOTHING: [&str; 26] = [
+const NOTHING: [&str; 28] = [
     "SOFT",
     "BRISK",
     "DRIVE",
@@ -41,6 +41,8 @@ const NOTHING: [&str; 26] = [
     "UPATH",
     "CUT2D",
     "CUT2DF",
+    "WALIMON",
+    "WALIMOF",
 ];
 
 /// A keyword of a block, upper case.
@@ -66,6 +68,13 @@ pub(super) fn refused(name: &str) -> Option<&'static str> {
         "CIP" | "CT" => "write the arc as G2 or G3 with I J K or CR",
         "ASPLINE" | "BSPLINE" | "CSPLINE" | "POLY" => "post the curve as G1, G2 and G3",
         "CHF" | "CHR" | "RND" | "RNDM" | "FRC" | "FRCM" => "post the corner as G1, G2 or G3",
+        "DIAMON" | "DIAM90" => "X would be read as a diameter; write DIAMOF",
+        "FLIN" | "FCUB" | "FPO" => "the feed would change along the path; write FNORM",
+        "FZ" => "write the feed in mm/min with G94 and F",
+        "FB" => "write the feed of the block with F",
+        "FGROUP" | "FGREF" | "FL" => "the feed would hold for other axes than X, Y and Z together; remove it",
+        "ANG" => "post the point as X Y Z",
+        "INVCW" | "INVCCW" => "post the curve as G1, G2 and G3",
         "AP" | "RP" => "post the point as X Y Z",
         "SPOS" | "SPOSA" | "SETMS" => "the spindle is only switched here; remove it",
         "CYCLE83" | "CYCLE84" | "CYCLE840" | "CYCLE85" | "CYCLE86" | "CYCLE87" | "CYCLE88"

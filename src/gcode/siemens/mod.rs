@@ -97,6 +97,13 @@ enum FeedKind {
     Inverse,
 }
 
+impl Memory {
+    /// A call that this line counted came to nothing.
+    pub fn not_called(&mut self, times: u32) {
+        self.modes.depth = self.modes.depth.saturating_sub(times);
+    }
+}
+
 /// The part that is copied for every line.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Modes {
@@ -196,6 +203,10 @@ impl Job<'_> {
         let rest = self.scan.rest();
         let end = rest.find([' ', '\t', ';']).unwrap_or(rest.len()).max(1);
         let name = Name::of(rest.get(..end).unwrap_or(rest));
+        let mut comma = rest.bytes().take(2);
+        if comma.next() == Some(b',') && comma.next().is_some_and(|b| b.is_ascii_digit()) {
+            return Err(Fault::at(self.scan.at(), Complaint::DecimalComma));
+        }
         wrong(self.scan.at(), Wrong::NotUnderstood { name })
     }
 

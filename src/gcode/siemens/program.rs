@@ -137,7 +137,11 @@ fn statement(job: &mut Job, word: &str, at: u32) -> Result<Option<Flow>, Fault> 
         }
         "MSG" => {
             message(job, at)?;
-            Flow::Next
+            // The control takes other words behind it, too.
+            match job.scan.blanks().peek() {
+                None | Some(b';') => Flow::Next,
+                _ => return Ok(None),
+            }
         }
         "WORKPIECE" | "GROUP_BEGIN" | "GROUP_END" => {
             arguments_past(job, at, word)?;
@@ -255,7 +259,7 @@ fn procedure(job: &mut Job, at: u32) -> Result<(), Fault> {
 }
 
 /// `MSG("text")`: shown to the operator.
-fn message(job: &mut Job, at: u32) -> Result<(), Fault> {
+pub(super) fn message(job: &mut Job, at: u32) -> Result<(), Fault> {
     if !job.scan.blanks().take(b'(') {
         return missing(at, "MSG", "a text in parentheses and quotation marks");
     }
@@ -269,7 +273,7 @@ fn message(job: &mut Job, at: u32) -> Result<(), Fault> {
         let what = "one text in quotation marks and a closing parenthesis";
         return wrong(job.scan.at(), Wrong::Expected { what });
     }
-    job.end_of_block()
+    Ok(())
 }
 
 /// Arguments that nothing here uses, up to the parenthesis that closes them.

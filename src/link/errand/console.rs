@@ -4,7 +4,7 @@ use super::error::ErrandError;
 use super::exchange::{Exchange, Rule, Situation, Step, Task};
 use super::restore::check;
 use crate::link::introduction::Known;
-use crate::wire::{Firmware, LINE_CHARS, Realtime};
+use crate::wire::{Firmware, LINE_CHARS, Realtime, State};
 use std::collections::VecDeque;
 use std::time::Duration;
 
@@ -210,6 +210,8 @@ fn significant(line: &str) -> String {
 #[derive(Clone, Debug, Default)]
 pub struct Console {
     lines: VecDeque<Exchange>,
+    /// The last line sent moves the machine.
+    moved: bool,
     quit: bool,
 }
 
@@ -230,11 +232,26 @@ impl Console {
     }
 }
 
+/// The controller would refuse it in motion (error 8): it waits for the end instead.
+fn needs_rest(line: &Exchange) -> bool {
+    line.text
+        .strip_prefix('$')
+        .is_some_and(|dollar| !(matches!(dollar, "" | "G" | "X") || dollar.starts_with("J=")))
+}
+
 impl Task for Console {
     fn next(&mut self, now: &mut Situation<'_>) -> Result<Step, ErrandError> {
+        let busy = matches!(now.known.state, State::Run | State::Jog)
+            || (self.moved && now.status.is_none());
+        if busy && self.lines.front().is_some_and(needs_rest) {
+            return Ok(Step::Listen);
+        }
         match self.lines.pop_front() {
-            Some(line) => Ok(Step::Send(line)),
-            None if self.quit && (now.known.state.at_rest() || now.status.is_none()) => {
+            Some(line) => {
+                self.moved = matches!(line.rule, Rule::Motion | Rule::Jog);
+                Ok(Step::Send(line))
+            }
+            None if self.quit && !busy && (now.known.state.at_rest() || now.status.is_none()) => {
                 Ok(Step::Done)
             }
             None => Ok(Step::Listen),

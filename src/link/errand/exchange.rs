@@ -68,7 +68,7 @@ impl Heard {
 pub struct Situation<'a> {
     /// The controller: state and position as last reported.
     pub known: &'a Known,
-    /// The last report, if any came since the introduction.
+    /// The last report, if any came since the introduction and since the last line that moves was sent.
     pub status: Option<&'a Status>,
     /// The last answer.
     pub heard: &'a Heard,
@@ -134,7 +134,7 @@ pub enum News {
     Note(String),
     /// A line was sent.
     Sent(String),
-    /// A line came back that is not a status report: as received, and read.
+    /// A line came back: as received, and read. A status report is told by [`News::Report`], too.
     Said(String, Box<Reply>),
     /// A report came in.
     Report(Box<Status>, Box<Known>),

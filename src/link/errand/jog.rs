@@ -126,6 +126,7 @@ pub struct Jog {
     next: usize,
     place: Option<[f64; 3]>,
     settled: bool,
+    told: bool,
     /// Where it ended: machine and work position, mm.
     pub ended: Option<([f64; 3], Option<[f64; 3]>)>,
 }
@@ -138,12 +139,68 @@ impl Jog {
             ..Jog::default()
         }
     }
+
+    /// Without notes about what cannot be checked: for one key after the other.
+    #[must_use]
+    pub fn quietly(self) -> Jog {
+        Jog { told: true, ..self }
+    }
+
+    /// What the operator should know before it moves.
+    fn caution(&mut self, jog: &JogMove, known: &Known, notes: &mut Vec<String>) {
+        if std::mem::replace(&mut self.told, true) {
+            return;
+        }
+        let axes = || (0..3usize).filter(|i| jog.axes[*i].is_some());
+        if axes().any(|i| room(known, i).is_none()) {
+            notes.push(
+                "the machine is not known to be homed: nothing checks whether it can go as far"
+                    .to_string(),
+            );
+        }
+        let rate = |i: usize| known.setting(110 + i as u16).filter(|r| *r > 0.0);
+        let fastest = axes().filter_map(rate).fold(0.0, f64::max);
+        let feed = jog.feed * jog.units.mm();
+        if fastest > 0.0 && feed > fastest * 1.001 {
+            notes.push(format!(
+                "{} mm/min is more than the axes do ($110 to $112): it goes at {} mm/min at most",
+                number(feed),
+                number(fastest)
+            ));
+        }
+    }
+
+    /// One more behind the others, as a held key wants it; false, and nothing done, while another waits to be sent.
+    pub fn push(&mut self, jog: JogMove) -> bool {
+        let free = self.next >= self.moves.len() && self.moves.len() < MOST_MOVES;
+        if free {
+            self.moves.push(jog);
+            self.settled = false;
+        }
+        free
+    }
+
+    /// What is queued in the controller is no longer than this move: a key let go must not leave seconds of motion behind.
+    fn near(&self, jog: &JogMove, known: &Known) -> bool {
+        let (Some(place), Some(at)) = (self.place, known.machine_position) else {
+            return true;
+        };
+        let step = jog.axes.iter().flatten().map(|v| v.abs() * jog.units.mm());
+        let step = step.fold(0.0, f64::max);
+        (0..3).all(|i| (place[i] - at[i]).abs() <= step + 0.01)
+    }
 }
+
+/// Moves of one errand: more is a stuck key.
+const MOST_MOVES: usize = 10_000;
 
 impl Task for Jog {
     fn next(&mut self, now: &mut Situation<'_>) -> Result<Step, ErrandError> {
-        if let Some(jog) = self.moves.get(self.next) {
+        if let Some(jog) = self.moves.get(self.next).cloned() {
             ready(now.known, "a jog", &[State::Idle, State::Jog])?;
+            if jog.reach == Reach::Relative && !self.near(&jog, now.known) {
+                return Ok(Step::Listen);
+            }
             let line = jog.line()?;
             let at = self.place.or(now.known.machine_position);
             if let Some(at) = at {
@@ -151,6 +208,7 @@ impl Task for Jog {
                 within_travel(now.known, at, target)?;
                 self.place = Some(target);
             }
+            self.caution(&jog, now.known, now.notes);
             self.next += 1;
             return Ok(Step::send(line, Rule::Jog));
         }
@@ -194,6 +252,11 @@ pub(super) fn room(known: &Known, axis: usize) -> Option<(f64, f64)> {
         true => Some((0.0, travel)),
         false => Some((-travel, 0.0)),
     }
+}
+
+/// Lowest and highest machine Z, mm, of a machine known to be homed.
+pub fn room_of_z(known: &Known) -> Option<(f64, f64)> {
+    room(known, 2)
 }
 
 /// Refuses a target outside the room. A move that comes back from outside is allowed.

@@ -19,7 +19,7 @@ pub struct ProbeOptions {
     pub feed: f64,
     /// Feed of the second, slow touch, mm/min.
     pub slow_feed: f64,
-    /// Way up between the touches, mm; the second looks twice as far down.
+    /// Way up between the touches, mm; the second looks twice as far down, but never below the distance.
     pub lift: f64,
     /// Thickness of the plate, mm: the work Z that the trigger point gets.
     pub plate: f64,
@@ -135,7 +135,11 @@ impl Task for Probe {
                 self.first = touched(now)?;
                 Self::up(known, self.first + o.lift)
             }
-            4 => Self::down(known, self.first - o.lift, o.slow_feed),
+            // Never farther down than was told.
+            4 => {
+                let to = (self.first - o.lift).max(self.start - o.distance);
+                Self::down(known, to, o.slow_feed)
+            }
             5 => {
                 let second = touched(now)?;
                 let touch = Touch {

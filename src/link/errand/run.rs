@@ -3,17 +3,11 @@
 use super::error::ErrandError;
 use super::exchange::{Exchange, Heard, News, Rule, Situation, Step, Task};
 use crate::link::introduction::{Introduction, IntroductionOptions, Known, Unknown, WhenSilent};
-use crate::wire::{Lines, RX_BYTES, Realtime, Reply, State, Status};
+use crate::wire::{Lines, RX_BYTES, Realtime, Reply, Status};
 use std::time::Duration;
 
-/// No byte for this long although something was asked: nobody is there.
-const SILENCE: Duration = Duration::from_secs(4);
 /// Quiet before and after a line that writes the EEPROM.
 const WRITER_QUIET: Duration = Duration::from_millis(50);
-/// Idle, and the answer to a line that moves has not come for this long: it was lost.
-const LOST_REPLY: Duration = Duration::from_secs(5);
-/// A report asked for and not given is asked for again after this.
-const ASK_AGAIN: Duration = Duration::from_secs(1);
 /// Reports in a row that must say Idle.
 pub(super) const IDLE_REPORTS: u32 = 2;
 
@@ -101,7 +95,7 @@ pub struct Errand<T> {
     pub(super) standing: u32,
     pub(super) stood_at: Option<[f64; 3]>,
     incoming: Lines,
-    hold_told: bool,
+    pub(super) hold_told: bool,
 }
 
 impl<T: Task> Errand<T> {
@@ -115,6 +109,14 @@ impl<T: Task> Errand<T> {
     pub fn again(task: T, options: ErrandOptions, now: Duration) -> Errand<T> {
         let introduction = Introduction::again(Self::questions(&task, options), now);
         Errand::with(task, options, introduction, now)
+    }
+
+    /// With a controller that is known already, on its open port: no question is asked first. For errands one after the other.
+    pub fn knowing(task: T, options: ErrandOptions, known: Known, now: Duration) -> Errand<T> {
+        let introduction = Introduction::again(Self::questions(&task, options), now);
+        let mut errand = Errand::with(task, options, introduction, now);
+        (errand.known, errand.phase) = (known, Phase::Deciding);
+        errand
     }
 
     fn questions(task: &T, options: ErrandOptions) -> IntroductionOptions {
@@ -218,7 +220,12 @@ impl<T: Task> Errand<T> {
                 self.out.extend(introduction.output());
                 return self.met(now);
             }
-            Phase::Deciding | Phase::Listening => self.decide(now),
+            Phase::Deciding | Phase::Listening => {
+                if !self.task.carries_on() {
+                    self.watch_the_link(now);
+                }
+                self.decide(now);
+            }
             Phase::Before(exchange) => {
                 if now.saturating_sub(self.since) >= WRITER_QUIET {
                     let exchange = exchange.clone();
@@ -245,7 +252,7 @@ impl<T: Task> Errand<T> {
         self.ask_for_a_report(now);
     }
 
-    fn met(&mut self, now: Duration) {
+    pub(super) fn met(&mut self, now: Duration) {
         let Phase::Meeting(introduction) = &self.phase else {
             return;
         };
@@ -275,7 +282,10 @@ impl<T: Task> Errand<T> {
     }
 
     /// Asks the task until there is something to wait for.
-    fn decide(&mut self, now: Duration) {
+    pub(super) fn decide(&mut self, now: Duration) {
+        if !matches!(self.phase, Phase::Deciding | Phase::Listening) {
+            return;
+        }
         if let Some(error) = self.ending.take() {
             return self.end(Some(error), now);
         }
@@ -317,6 +327,10 @@ impl<T: Task> Errand<T> {
             (Rule::Silent(_), _) => Moving::Homing,
             (_, other) => other,
         };
+        if matches!(exchange.rule, Rule::Motion | Rule::Jog) {
+            // What it said before is no word about this motion.
+            self.status = None;
+        }
         self.heard = Heard::of(&exchange.text);
         self.unanswered = true;
         self.idle_since = None;
@@ -324,189 +338,6 @@ impl<T: Task> Errand<T> {
         self.out.push(b'\n');
         self.news.push(News::Sent(exchange.text.clone()));
         self.enter(Phase::Waiting(exchange), now);
-    }
-
-    fn reply(&mut self, line: &str, reply: &Reply, now: Duration) {
-        if let Phase::Meeting(introduction) = &mut self.phase {
-            introduction.receive(reply, now);
-            self.out.extend(introduction.output());
-            if matches!(reply, Reply::Message(_) | Reply::Alarm(_)) {
-                self.news
-                    .push(News::Said(line.to_string(), Box::new(reply.clone())));
-            }
-            return self.met(now);
-        }
-        match reply {
-            Reply::Status(status) => self.report(status, now),
-            _ => self
-                .news
-                .push(News::Said(line.to_string(), Box::new(reply.clone()))),
-        }
-        if matches!(
-            self.phase,
-            Phase::JogStop { .. }
-                | Phase::Stopping { .. }
-                | Phase::AlarmPause { .. }
-                | Phase::Resetting { .. }
-                | Phase::LastLook
-                | Phase::Ended
-        ) {
-            return self.stopping_reply(reply, now);
-        }
-        match reply {
-            Reply::Alarm(code) => self.alarm(*code, now),
-            Reply::Welcome { .. } => self.restarted(now),
-            Reply::Ok | Reply::Error(_) => self.answer(reply, now),
-            Reply::Status(status) => {
-                if let Phase::Settling { idle } = &mut self.phase {
-                    *idle = if status.state == State::Idle {
-                        *idle + 1
-                    } else {
-                        0
-                    };
-                    if *idle >= IDLE_REPORTS && self.known.machine_position.is_some() {
-                        self.moving = Moving::Nothing;
-                        self.enter(Phase::Deciding, now);
-                    } else if matches!(status.state, State::Alarm) {
-                        let error = ErrandError::Locked;
-                        self.fail(error, now);
-                    }
-                }
-            }
-            other => self.heard.take(line, other),
-        }
-    }
-
-    fn report(&mut self, status: &Status, now: Duration) {
-        self.asked = None;
-        self.known.hear(status);
-        self.status = Some(status.clone());
-        self.news.push(News::Report(
-            Box::new(status.clone()),
-            Box::new(self.known.clone()),
-        ));
-        if status.state == State::Idle {
-            let since = *self.idle_since.get_or_insert(now);
-            // A console's moves are not settled one by one.
-            let quiet = now.saturating_sub(since) > self.options.poll;
-            if quiet && matches!(self.phase, Phase::Listening) && !self.unanswered {
-                self.moving = Moving::Nothing;
-            }
-        } else {
-            self.idle_since = None;
-        }
-        let held = matches!(status.state, State::Hold { .. } | State::Door(_));
-        if held && !self.hold_told && !self.stopping() {
-            self.news.push(News::Note(format!(
-                "the machine says {}: resume at the machine, or stop with Ctrl-C",
-                status.state.text()
-            )));
-        }
-        self.hold_told = held;
-    }
-
-    fn stopping(&self) -> bool {
-        matches!(self.phase, Phase::JogStop { .. } | Phase::Stopping { .. })
-    }
-
-    fn answer(&mut self, reply: &Reply, now: Duration) {
-        let Phase::Waiting(exchange) = &self.phase else {
-            // A stray `ok`, such as GRBL lets go of after an abort.
-            return;
-        };
-        let exchange = exchange.clone();
-        self.unanswered = false;
-        if matches!(exchange.rule, Rule::Silent(_)) {
-            self.moving = Moving::Nothing;
-        }
-        if let Reply::Error(code) = reply {
-            self.heard.refused = Some(*code);
-            if !self.task.carries_on() {
-                let error = ErrandError::Refused {
-                    text: exchange.text,
-                    code: *code,
-                };
-                return self.fail(error, now);
-            }
-        }
-        match exchange.rule {
-            Rule::Writer => self.enter(Phase::After, now),
-            _ => {
-                self.enter(Phase::Deciding, now);
-                self.decide(now);
-            }
-        }
-    }
-
-    fn restarted(&mut self, now: Duration) {
-        self.moving = Moving::Nothing;
-        self.unanswered = false;
-        if self.task.carries_on() {
-            self.enter(Phase::Listening, now);
-        } else {
-            self.end(Some(ErrandError::ControllerReset), now);
-        }
-    }
-
-    fn watch_the_answer(&mut self, exchange: &Exchange, now: Duration) {
-        let silent = || ErrandError::Silent {
-            text: exchange.text.clone(),
-            moving: !matches!(exchange.rule, Rule::Plain | Rule::Writer),
-        };
-        match exchange.rule {
-            Rule::Plain | Rule::Writer => {
-                if now.saturating_sub(self.last_heard.max(self.since)) > SILENCE {
-                    self.fail(silent(), now);
-                }
-            }
-            Rule::Silent(patience) => {
-                if now.saturating_sub(self.since) > patience {
-                    self.fail(silent(), now);
-                }
-            }
-            Rule::Motion | Rule::Jog => {
-                let dwells = exchange.text.contains("G4") || exchange.text.contains("G04");
-                if now.saturating_sub(self.last_heard.max(self.since)) > SILENCE {
-                    self.fail(silent(), now);
-                } else if let Some(idle) = self.idle_since
-                    && !dwells
-                    && now.saturating_sub(idle.max(self.since)) > LOST_REPLY
-                {
-                    self.fail(ErrandError::LostReply(exchange.text.clone()), now);
-                }
-            }
-        }
-    }
-
-    fn watch_the_link(&mut self, now: Duration) {
-        if now.saturating_sub(self.last_heard.max(self.since)) > SILENCE {
-            let error = ErrandError::Silent {
-                text: "?".to_string(),
-                moving: self.may_be_moving(),
-            };
-            self.fail(error, now);
-        }
-    }
-
-    pub(super) fn ask_for_a_report(&mut self, now: Duration) {
-        let pause = match &self.phase {
-            Phase::Listening | Phase::Deciding => self.options.poll,
-            Phase::Waiting(e) if matches!(e.rule, Rule::Motion | Rule::Jog) => self.options.poll,
-            // Soon, but no more than the 10 Hz that the firmware takes without harm.
-            Phase::Settling { .. }
-            | Phase::JogStop { .. }
-            | Phase::Stopping { .. }
-            | Phase::LastLook => self.options.poll / 2,
-            _ => return,
-        };
-        let overdue = self
-            .asked
-            .is_some_and(|t| now.saturating_sub(t) > ASK_AGAIN);
-        if overdue || (self.asked.is_none() && now.saturating_sub(self.last_asked) >= pause) {
-            self.realtime(Realtime::Status);
-            self.asked = Some(now);
-            self.last_asked = now;
-        }
     }
 
     pub(super) fn end(&mut self, error: Option<ErrandError>, now: Duration) {

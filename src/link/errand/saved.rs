@@ -5,7 +5,8 @@
 use super::error::ErrandError;
 use super::exchange::{Rule, Situation, Step, Task};
 use super::jog::ready;
-use crate::wire::{Reply, State};
+use super::zero::READ_BACK;
+use crate::wire::{Firmware, Reply, State};
 use std::fmt::Write as _;
 
 /// Questions and the comments above their answers.
@@ -14,11 +15,11 @@ const QUESTIONS: [(&str, &str); 4] = [
     ("$$", "settings"),
     (
         "$#",
-        "offsets and stored places, in the unit of $13 (not restored: set zero anew)",
+        "offsets and stored places, in the unit of $13 (restored only with --offsets)",
     ),
     (
         "$N",
-        "start-up lines (not restored: the controller would run them at once)",
+        "start-up lines (restored only with --startup-lines: the controller runs them at once)",
     ),
 ];
 
@@ -27,6 +28,14 @@ const QUESTIONS: [(&str, &str); 4] = [
 pub struct Saved {
     /// `$n=value`: number and value as text, in the controller's order.
     pub settings: Vec<(u16, String)>,
+    /// `[G54:...]` to `[G59:...]`, `[G28:...]`, `[G30:...]`, machine coordinates, mm.
+    pub offsets: Vec<(String, [f64; 3])>,
+    /// `$N0` and `$N1`.
+    pub startup: [Option<String>; 2],
+    /// Whose memory it is, as far as it says.
+    pub firmware: Option<Firmware>,
+    /// How many axes it has, as far as it says.
+    pub axes: Option<usize>,
     /// Answers by question, whole.
     answers: Vec<(usize, Vec<String>)>,
 }
@@ -56,6 +65,11 @@ impl Saved {
         let mut saved = Saved::default();
         for (index, whole) in text.lines().enumerate() {
             let wrong = |why: String| Err((index + 1, why));
+            // As it is written here: a start-up line behind a comment sign, so that nobody takes it for a setting.
+            if let Some(startup) = whole.trim().strip_prefix("; $N") {
+                saved.hear(&format!("$N{startup}"));
+                continue;
+            }
             let end = whole
                 .find([';', '#', '('])
                 .filter(|_| !whole.trim_start().starts_with('$') || !whole.contains('='));
@@ -84,19 +98,86 @@ impl Saved {
                     }
                     saved.settings.push((number, value));
                 }
-                Reply::Other(text) if text.starts_with("$N") || text.starts_with('[') => {}
+                Reply::Other(text) if text.starts_with("$N") || text.starts_with('[') => {
+                    saved.hear(line);
+                }
                 Reply::Other(text) => {
                     let shown: String = text.chars().take(60).collect();
                     return wrong(format!(
                         "`{shown}` is not a setting: write lines like $110=4000"
                     ));
                 }
-                _ => {}
+                _ => saved.hear(line),
             }
         }
+        saved.to_mm();
         match saved.settings.is_empty() {
             true => Err((1, "no setting in it: write lines like $110=4000, or save one with `morsemill settings save`".to_string())),
             false => Ok(saved),
+        }
+    }
+
+    /// Takes in a line that is no setting: who it is, offsets, start-up lines.
+    fn hear(&mut self, line: &str) {
+        if let Some((n, text)) = line.strip_prefix("$N").and_then(|t| t.split_once('=')) {
+            if let Some(slot) = n
+                .parse::<usize>()
+                .ok()
+                .and_then(|n| self.startup.get_mut(n))
+            {
+                *slot = Some(text.trim().to_string());
+            }
+            return;
+        }
+        let reply = Reply::parse(line);
+        if let Some(firmware) = Firmware::told_by(&reply) {
+            // grblHAL may greet as GRBL and say more later; never the other way.
+            let vague = matches!(firmware, Firmware::Grbl11 | Firmware::Unknown);
+            if !(vague && self.firmware.is_some()) {
+                self.firmware = Some(firmware);
+            }
+        }
+        if let Some(axes) = line.strip_prefix("[AXS:") {
+            self.axes = axes.split(':').next().and_then(|n| n.parse().ok());
+        }
+        if let Some(values) = line.strip_prefix("[G54:") {
+            self.axes.get_or_insert(values.split(',').count());
+        }
+        if let Reply::Offset { name, values } = reply
+            && name != "G92"
+            && self.offsets.iter().all(|(n, _)| *n != name)
+        {
+            self.offsets.push((name, values));
+        }
+    }
+
+    /// `$#` comes in the unit of `$13`.
+    fn to_mm(&mut self) {
+        if self.get(13).and_then(|v| v.parse::<f64>().ok()) == Some(1.0) {
+            for (_, values) in &mut self.offsets {
+                *values = values.map(|v| v * 25.4);
+            }
+        }
+    }
+
+    /// Why this file must not be written to that controller, if it must not: settings of another firmware or of a machine with other axes
+    /// mean other things by the same numbers.
+    pub fn foreign(&self, controller: &Saved) -> Option<String> {
+        if let (Some(a), Some(b)) = (self.firmware, controller.firmware)
+            && a != b
+            && ![a, b].contains(&Firmware::Unknown)
+        {
+            return Some(format!(
+                "the file was saved from {}, and the controller is {}: the same numbers may mean other things. Take over by hand what is the same",
+                a.title(),
+                b.title()
+            ));
+        }
+        match (self.axes, controller.axes) {
+            (Some(a), Some(b)) if a != b => Some(format!(
+                "the file was saved from a controller with {a} axes, and this one has {b}: it is another machine's"
+            )),
+            _ => None,
         }
     }
 
@@ -118,6 +199,52 @@ pub struct Difference {
     pub file: Option<String>,
     /// Value in the controller; `None`: it has no such setting.
     pub controller: Option<String>,
+}
+
+/// An offset or stored place that differs, machine coordinates in mm; `None` where one side has it not.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MovedOffset {
+    /// `G54` to `G59`, `G28`, `G30`.
+    pub name: String,
+    /// In the file.
+    pub file: [f64; 3],
+    /// In the controller.
+    pub controller: Option<[f64; 3]>,
+}
+
+/// Offsets of the file that the controller has otherwise.
+pub fn moved_offsets(file: &Saved, controller: &Saved) -> Vec<MovedOffset> {
+    let found = file.offsets.iter().filter_map(|(name, values)| {
+        let has = controller
+            .offsets
+            .iter()
+            .find(|o| o.0 == *name)
+            .map(|o| o.1);
+        let same = has.is_some_and(|h| (0..3).all(|i| (h[i] - values[i]).abs() <= READ_BACK));
+        (!same).then(|| MovedOffset {
+            name: name.clone(),
+            file: *values,
+            controller: has,
+        })
+    });
+    found.collect()
+}
+
+/// Start-up lines of the file that the controller has otherwise: which, the file's, the controller's.
+pub fn other_startup(file: &Saved, controller: &Saved) -> Vec<(usize, String, String)> {
+    let text = |s: &Option<String>| s.clone().unwrap_or_default();
+    let pairs = file.startup.iter().zip(&controller.startup).enumerate();
+    pairs
+        .filter(|(_, (f, _))| f.is_some())
+        .filter(|(_, (f, c))| plain(&text(f)) != plain(&text(c)))
+        .map(|(n, (f, c))| (n, text(f), text(c)))
+        .collect()
+}
+
+/// As the controller keeps it: upper case, without blanks.
+pub(super) fn plain(line: &str) -> String {
+    let kept = line.chars().filter(|c| !c.is_whitespace());
+    kept.map(|c| c.to_ascii_uppercase()).collect()
 }
 
 /// What differs, ascending by number. Numbers are compared as such (the controller keeps single precision and prints three
@@ -182,14 +309,19 @@ impl Task for Save {
                 .lines
                 .iter()
                 .filter(|l| !l.starts_with("[MSG") && !l.is_empty());
-            self.saved.answers.push((last, own.cloned().collect()));
+            let own: Vec<String> = own.cloned().collect();
+            own.iter().for_each(|line| self.saved.hear(line));
+            self.saved.answers.push((last, own));
         }
         let Some((question, _)) = QUESTIONS.get(self.step) else {
             return match self.saved.settings.is_empty() {
                 true => Err(ErrandError::NotPossible(
                     "the controller told no settings in its answer to $$".to_string(),
                 )),
-                false => Ok(Step::Done),
+                false => {
+                    self.saved.to_mm();
+                    Ok(Step::Done)
+                }
             };
         };
         self.step += 1;
@@ -218,7 +350,14 @@ mod tests {
             ..saved.clone()
         };
         assert!(whole.text().contains("\n; $N0=G20\n"));
-        assert_eq!(Saved::read(&whole.text()).unwrap().settings, saved.settings);
+        let again = Saved::read(&whole.text()).unwrap();
+        assert_eq!(again.settings, saved.settings);
+        assert_eq!(again.startup, [Some("G20".to_string()), None]);
+        assert_eq!(saved.offsets, [("G54".to_string(), [0.0; 3])]);
+        assert_eq!(
+            (saved.firmware, saved.axes),
+            (Some(Firmware::Grbl11), Some(3))
+        );
         let files = crate::machine::settings_file::SettingsFile::read("x", &whole.text()).unwrap();
         assert_eq!(files.get(110), Some(500.0));
     }
@@ -241,6 +380,36 @@ mod tests {
         assert_eq!(
             Saved::read("$5=\n").unwrap_err(),
             (1, "$5 has no value".to_string())
+        );
+    }
+
+    #[test]
+    fn a_file_of_another_controller_is_known_by_its_firmware_and_axes() {
+        let read = |t: &str| Saved::read(t).unwrap();
+        let grbl = read("[VER:1.1h.20190830:]\n$0=10\n[G54:0,0,0]\n");
+        let hal = read("[VER:1.1f.20240101:]\n[FIRMWARE:grblHAL]\n$0=10\n[G54:0,0,0]\n");
+        let four = read("$0=10\n[G54:0,0,0,0]\n");
+        assert_eq!(grbl.foreign(&grbl), None);
+        assert_eq!(read("$0=10\n").foreign(&hal), None);
+        assert_eq!(
+            grbl.foreign(&hal).unwrap(),
+            "the file was saved from GRBL 1.1, and the controller is grblHAL: the same numbers may mean other things. Take over by hand what is the same"
+        );
+        assert_eq!(
+            grbl.foreign(&four).unwrap(),
+            "the file was saved from a controller with 3 axes, and this one has 4: it is another machine's"
+        );
+    }
+
+    #[test]
+    fn offsets_of_a_file_in_inch_are_compared_in_mm() {
+        let inch =
+            Saved::read("$13=1\n[G54:1.0000,0.0000,0.0000]\n[G92:9,9,9]\n; $N1=G54 G20\n").unwrap();
+        let mm = Saved::read("$13=0\n[G54:25.400,0.000,0.000]\n; $N1=g54g21\n").unwrap();
+        assert!(moved_offsets(&inch, &mm).is_empty());
+        assert_eq!(
+            other_startup(&inch, &mm),
+            [(1, "G54 G20".to_string(), "g54g21".to_string())]
         );
     }
 

@@ -2,6 +2,7 @@
 
 use super::error::ErrandError;
 use super::exchange::{Rule, Situation, Step, Task};
+use crate::link::introduction::Known;
 use crate::wire::{Reply, State};
 
 /// `$X`.
@@ -39,10 +40,7 @@ impl Task for Unlock {
             }
             3 => {
                 self.unlocked = true;
-                now.notes.push(
-                    "unlocked. The position is what it was before the alarm: home again, or check it, unless you know that no step was lost"
-                        .to_string(),
-                );
+                now.notes.push(trust(now.known));
                 // A modal G38 would make the next bare axis word a probing move.
                 match self.probing {
                     true => Ok(Step::send("G0", Rule::Plain)),
@@ -56,4 +54,21 @@ impl Task for Unlock {
     fn may_reset_the_mute(&self) -> bool {
         true
     }
+}
+
+/// What may be trusted after the lock, and what may not.
+fn trust(known: &Known) -> String {
+    let meaning = known
+        .alarm
+        .and_then(|code| Some((code, known.firmware.alarm(code)?)));
+    let mut text = match meaning {
+        Some((code, m)) if m.position_kept => format!(
+            "unlocked. ALARM:{code} came without a loss of steps: position and work zeros are what they were."
+        ),
+        _ => "unlocked. The position is what it was before the alarm, and not to be trusted if a step may have been lost: with it every work \
+              zero, G28, G30 and the soft limits. Home again, or check it."
+            .to_string(),
+    };
+    text += " Modes, spindle, coolant, G92 and tool length may have been cleared by a reset";
+    text
 }

@@ -88,6 +88,12 @@ fn busy(state: &State) -> String {
             "the controller is in check mode, where nothing moves: send $C to leave it".to_string()
         }
         State::Sleep => "the controller is asleep: reset it".to_string(),
+        // grblHAL's own tool change: lines are taken, jogs and probes too, until it is acknowledged.
+        State::Other(text) if text == "Tool" => {
+            "the controller waits in a tool change of its own (state Tool): finish it and go on with ~ in `morsemill console`, or reset it. \
+             `send` makes tool changes itself and never sends M6"
+                .to_string()
+        }
         other => format!(
             "the controller is not idle but says {}: wait until it is, or reset it",
             other.text()
@@ -165,9 +171,10 @@ impl Introduction {
             Phase::Ended(_) => return,
             Phase::Greeting => {
                 if now.saturating_sub(self.since) > WELCOME_WAIT {
-                    // No greeting: the controller may not have been reset by opening. An empty line ends whatever half line is
-                    // in its buffer; its `ok` is not an answer to us.
-                    self.out.push(b'\n');
+                    // No greeting: the controller may not have been reset by opening, and half a line of a sender that was killed
+                    // may be in its buffer. A line end alone would have it run, cut short (`X1` of `X12.5`). With a `$` no half
+                    // line is legal; alone it asks for help, and its `ok` is not an answer to us.
+                    self.out.extend_from_slice(b"$\n");
                     self.swallow = 1;
                     self.enter(Phase::Asking, now);
                 }

@@ -13,13 +13,10 @@ pub(super) use reader::{Chunks, Digest};
 pub use reader::{JobLines, Unreadable};
 
 use super::vet::{self, JobError, VetOptions, Warning};
+pub use crate::gcode::source::TextReader as JobReader;
 use crate::gcode::{Event, State};
-use std::io::{self, BufRead, Cursor, Seek};
+use std::io::{self, Cursor};
 use std::sync::Arc;
-
-/// Anything that can be read by lines and wound back.
-pub trait JobReader: BufRead + Seek + Send {}
-impl<T: BufRead + Seek + Send> JobReader for T {}
 
 /// A program that can be opened again and again: a text in memory, or a closure that opens a file.
 ///

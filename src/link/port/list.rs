@@ -2,6 +2,7 @@
 
 use super::PortError;
 use super::boards::{Board, board};
+use std::path::Path;
 
 /// What a USB device says about itself.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -27,6 +28,9 @@ pub struct PortEntry {
     pub title: String,
     /// USB's own words; `None` for any other port.
     pub usb: Option<Usb>,
+    /// A name that stays with the device when it is plugged in elsewhere or after others (Linux: `/dev/serial/by-id`). Works for
+    /// `--port` as well as the path.
+    pub stable: Option<String>,
 }
 
 impl PortEntry {
@@ -46,7 +50,14 @@ impl PortEntry {
             path,
             title,
             usb: Some(usb),
+            stable: None,
         }
+    }
+
+    /// This is the device a name of any kind leads to.
+    pub fn is_at(&self, name: &str) -> bool {
+        let real = |p: &str| std::fs::canonicalize(p);
+        self.path == name || matches!((real(&self.path), real(name)), (Ok(a), Ok(b)) if a == b)
     }
 
     /// The board it may be: one that runs GRBL or its kin. `None`: no USB port, or a chip that no such board has.
@@ -66,8 +77,27 @@ pub fn list() -> Result<Vec<PortEntry>, PortError> {
         why: e.to_string(),
     })?;
     let mut entries: Vec<PortEntry> = ports.into_iter().map(entry).collect();
+    name_by_id(&mut entries, Path::new(BY_ID));
     entries.sort_by(|a, b| a.path.cmp(&b.path));
     Ok(entries)
+}
+
+/// Where Linux's udev keeps names that are made of maker, product and serial number.
+const BY_ID: &str = "/dev/serial/by-id";
+
+/// Gives the entries their lasting names, as far as `folder` has any.
+fn name_by_id(entries: &mut [PortEntry], folder: &Path) {
+    let Ok(names) = std::fs::read_dir(folder) else {
+        return;
+    };
+    let mut names: Vec<String> = names
+        .filter_map(|name| name.ok()?.path().to_str().map(str::to_string))
+        .collect();
+    // (A device may have several; always the same one is taken.)
+    names.sort();
+    for entry in entries {
+        entry.stable = names.iter().find(|name| entry.is_at(name)).cloned();
+    }
 }
 
 fn entry(port: serialport::SerialPortInfo) -> PortEntry {
@@ -90,12 +120,37 @@ fn entry(port: serialport::SerialPortInfo) -> PortEntry {
         path: port.port_name,
         title: title.to_string(),
         usb: None,
+        stable: None,
     }
 }
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used)]
     use super::*;
+
+    #[test]
+    fn lasting_names_lead_to_the_same_device() {
+        let dir = tempfile::tempdir().unwrap();
+        let at = |name: &str| dir.path().join(name);
+        for device in ["ttyUSB0", "ttyUSB1"] {
+            std::fs::write(at(device), "").unwrap();
+        }
+        std::fs::create_dir(at("by-id")).unwrap();
+        let id = at("by-id/usb-1a86_USB_Serial-if00-port0");
+        std::os::unix::fs::symlink("../ttyUSB1", &id).unwrap();
+        std::os::unix::fs::symlink("../ttyUSB7", at("by-id/gone")).unwrap();
+        let mut entries = ["ttyUSB0", "ttyUSB1"]
+            .map(|n| PortEntry::of_usb(at(n).display().to_string(), Usb::default()));
+        name_by_id(&mut entries, &at("no such folder"));
+        assert_eq!(entries[1].stable, None);
+        name_by_id(&mut entries, &at("by-id"));
+        assert_eq!(entries[0].stable, None);
+        assert_eq!(entries[1].stable, Some(id.display().to_string()));
+        assert!(entries[1].is_at(&id.display().to_string()));
+        assert!(!entries[0].is_at(&id.display().to_string()));
+        assert!(!entries[0].is_at("tcp://127.0.0.1:23"));
+    }
 
     #[test]
     fn a_port_says_what_usb_says_and_which_board_it_may_be() {

@@ -40,7 +40,7 @@ fn advice(error: &serialport::Error) -> &'static str {
             "Run `morsemill ports` to see which ports there are."
         }
         serialport::ErrorKind::Io(ErrorKind::PermissionDenied) => {
-            "Your user may need to belong to the group that owns the device (often `dialout`)."
+            "Your user may need to belong to the group that owns the device (often `dialout`: sudo usermod -aG dialout $USER), and to log in anew then."
         }
         _ => "Is it a serial device? Run `morsemill ports`.",
     }

@@ -1,7 +1,8 @@
 //! Is this the same program on the same machine, and does the machine stand where its controller believes it stands?
 
 use super::refusal::Refusal;
-use super::walk::Program;
+use super::text::ProgramText;
+use super::walk::{Program, Walk, lines};
 use super::zones::Zones;
 use crate::gcode::State;
 use crate::geom::{Point, Vector, nearest_on_segment};
@@ -121,14 +122,18 @@ pub enum Evidence {
 }
 
 /// How near a reported place must be, mm: rounding of reports and of whole steps, and arcs cut as chords.
-const NEAR: f64 = 0.05;
+pub(super) const NEAR: f64 = 0.05;
 /// How well offsets must agree, mm: reports have three decimals, four in inch.
 const SAME: f64 = 0.002;
 
 /// The program is the one in the journal.
-pub(super) fn program(text: &str, bytes_sha256: &str, begin: &Begin) -> Result<(), Refusal> {
+pub(super) fn program(
+    text: &dyn ProgramText,
+    bytes_sha256: &str,
+    begin: &Begin,
+) -> Result<(), Refusal> {
     let changed = |what: String| Err(Refusal::ProgramChanged { what });
-    let lines = crate::gcode::lines(text.strip_prefix('\u{feff}').unwrap_or(text)).count();
+    let lines = lines(text)?;
     if lines != begin.lines {
         return changed(format!("{lines} lines now, {} then", begin.lines));
     }
@@ -190,7 +195,7 @@ pub(super) fn ready(now: &Now) -> Result<[f64; 3], Refusal> {
 
 /// The position may be trusted, and why.
 pub(super) fn position(
-    text: &str,
+    text: &dyn ProgramText,
     begin: &Begin,
     history: &History,
     zones: &Zones,
@@ -225,10 +230,17 @@ pub(super) fn position(
     if homed {
         return Ok(Evidence::Homed);
     }
-    let distance = from_path(text, begin, history, zones, &Point::from(place))?;
-    match distance <= NEAR {
-        true => Ok(Evidence::OnPath),
-        false => Err(Refusal::Elsewhere { place, distance }),
+    let mut distance = from_path(text, begin, history, zones, &Point::from(place))?;
+    if let Some(rest) = history.rest() {
+        // It was seen to stop: there it stands, or it was moved.
+        distance = distance.max((Point::from(rest.machine) - Point::from(place)).norm());
+    }
+    if distance > NEAR {
+        return Err(Refusal::Elsewhere { place, distance });
+    }
+    match place == [0.0; 3] {
+        true => Err(Refusal::PowerOn),
+        false => Ok(Evidence::OnPath),
     }
 }
 
@@ -236,7 +248,7 @@ pub(super) fn position(
 /// rest; otherwise from the ends of those lines that can have been the last to arrive, since the machine did all it had. (An alarm that
 /// nobody saw stops it between two ends.)
 fn from_path(
-    text: &str,
+    text: &dyn ProgramText,
     begin: &Begin,
     history: &History,
     zones: &Zones,
@@ -260,33 +272,36 @@ fn from_path(
         if line < zones.first {
             continue;
         }
-        let (motions, shift) = walk.motions();
-        let mut found = false;
-        for m in motions {
-            found = true;
-            let mut from = m.from + shift;
-            let mut go = |to: Point| {
-                let d = (nearest_on_segment(place, &from, &to) - place).norm();
-                nearest = nearest.min(d);
-                from = to;
-            };
-            match &m.arc {
-                None => go(m.to + shift),
-                Some(arc) => {
-                    chords(&m.from, &m.to, arc, Mm(NEAR / 10.0)).for_each(|p| go(p + shift))
-                }
-            }
-        }
-        if !found {
-            nearest = nearest.min((walk.state().machine_position() - place).norm());
-        }
+        nearest = nearest.min(near_way(&walk, place));
     }
     Ok(nearest)
 }
 
+/// How far a machine position is from the way of the line read last, mm; of one that does not move, from where the machine stands then.
+pub(super) fn near_way(walk: &Walk, place: &Point) -> f64 {
+    let (motions, shift) = walk.motions();
+    let mut nearest = f64::INFINITY;
+    for m in motions {
+        let mut from = m.from + shift;
+        let mut go = |to: Point| {
+            let d = (nearest_on_segment(place, &from, &to) - place).norm();
+            nearest = nearest.min(d);
+            from = to;
+        };
+        match &m.arc {
+            None => go(m.to + shift),
+            Some(arc) => chords(&m.from, &m.to, arc, Mm(NEAR / 10.0)).for_each(|p| go(p + shift)),
+        }
+    }
+    match nearest.is_finite() {
+        true => nearest,
+        false => (walk.state().machine_position() - place).norm(),
+    }
+}
+
 /// The stored offsets are those that the job had where it broke, or the operator answers for them; how far each work zero was moved since.
 pub(super) fn offsets(
-    text: &str,
+    text: &dyn ProgramText,
     begin: &Begin,
     history: &History,
     zones: &Zones,

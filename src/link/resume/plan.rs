@@ -6,11 +6,14 @@ use super::head::{HeadOptions, head, round_up};
 use super::prove::{Proof, prove};
 use super::refusal::Refusal;
 use super::survey::highest;
-use super::walk::Program;
+use super::text::{Joined, ProgramText};
+use super::walk::{Program, lines};
 use super::zones::{Zones, zones};
+use crate::gcode::source::TextReader;
 use crate::gcode::{Dialect, State};
 use crate::geom::Vector;
 use crate::link::journal::{Begin, History, Resumed, Start};
+use std::io::{self, Read as _};
 
 /// How to resume.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -85,19 +88,22 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// The resumed program: the way in, and the program from the entry on.
+    /// The resumed program of a text in memory: the way in, and the program from the entry on.
     pub fn program(&self, text: &str) -> String {
-        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-        let mut out = String::with_capacity(text.len() / 2);
-        for line in &self.head {
-            out.push_str(line);
-            out.push('\n');
-        }
-        for line in crate::gcode::lines(text).skip(self.entry.line.saturating_sub(1)) {
-            out.push_str(line);
-            out.push('\n');
-        }
+        let mut out = String::new();
+        // Memory does not fail.
+        let _ = self
+            .reader(&text)
+            .and_then(|mut from| from.read_to_string(&mut out));
         out
+    }
+
+    /// The resumed program, to be read line by line.
+    ///
+    /// # Errors
+    /// The text cannot be read.
+    pub fn reader<'a>(&self, text: &'a dyn ProgramText) -> io::Result<Box<dyn TextReader + 'a>> {
+        Ok(Box::new(Joined::new(&self.head, text, self.entry.line)?))
     }
 
     /// Which line of the program a line of [`Plan::program`] is.
@@ -121,14 +127,19 @@ impl Plan {
 ///
 /// # Errors
 /// Whatever makes it unsafe.
-pub fn resume(
-    text: &str,
+pub fn resume<T: ProgramText + ?Sized>(
+    text: &T,
     sha256: &str,
     history: &History,
     now: &Now,
     options: &ResumeOptions,
 ) -> Result<Plan, Refusal> {
-    let begin = history.begin.as_ref().ok_or(Refusal::Empty)?;
+    let text: &dyn ProgramText = &text;
+    let begin = match (&history.begin, history.foreign) {
+        (Some(begin), _) => begin,
+        (None, Some(format)) => return Err(Refusal::OtherFormat(format)),
+        (None, None) => return Err(Refusal::Empty),
+    };
     if history.done {
         return Err(Refusal::Finished);
     }
@@ -178,20 +189,21 @@ pub fn resume(
 ///
 /// # Errors
 /// Whatever makes it unsafe.
-pub fn from_line(
-    text: &str,
+pub fn from_line<T: ProgramText + ?Sized>(
+    text: &T,
     line: usize,
     skips_slashed: bool,
     now: &Now,
     options: &ResumeOptions,
 ) -> Result<Plan, Refusal> {
+    let text: &dyn ProgramText = &text;
     let program = Program {
         text,
         start: State::new(dialect(now)),
         changes: &[],
         skips_slashed,
     };
-    let lines = program.lines();
+    let lines = lines(text)?;
     if line == 0 || line > lines {
         return Err(Refusal::NoSuchLine { line, lines });
     }
@@ -293,6 +305,7 @@ fn plan(
         safe_z,
         plunge: plunge.unwrap_or(CAREFUL),
         spin_up_s: options.spin_up_s.clamp(0.0, 600.0),
+        laser: now.setting(32).is_some_and(|on| on != 0.0),
     };
     if entry.state.spindle == 0 {
         notes.push("the spindle is off at the entry, as the program has it there".to_string());

@@ -1,15 +1,21 @@
 //! A program line by line as the session sends it, and what the machine remembers between lines.
 
-use crate::gcode::{self, Dialect, Event, InterpretError, Motion, State, interpret_line};
+use super::refusal::Refusal;
+use super::text::ProgramText;
+use crate::gcode::source::{Source, TextReader};
+use crate::gcode::{
+    Complaint, Dialect, Event, FlowComplaint, InterpretError, Motion, State, interpret_line,
+};
 use crate::geom::{Point, Vector};
 use crate::link::journal::{Begin, History, Offsets, Start, ToolChange};
 use crate::units::Rpm;
+use std::io;
 
 /// A program as one job sends it.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct Program<'a> {
     /// Its text.
-    pub text: &'a str,
+    pub text: &'a dyn ProgramText,
     /// What the machine remembers before line 1.
     pub start: State,
     /// Tool changes that were made: one that changed offsets did so behind its line.
@@ -20,7 +26,7 @@ pub struct Program<'a> {
 
 impl<'a> Program<'a> {
     /// The program of a journal.
-    pub fn of(text: &'a str, history: &'a History, begin: &Begin) -> Program<'a> {
+    pub fn of(text: &'a dyn ProgramText, history: &'a History, begin: &Begin) -> Program<'a> {
         Program {
             text,
             start: begin.start_state(),
@@ -31,35 +37,27 @@ impl<'a> Program<'a> {
 
     /// From line 1.
     pub fn walk(&self) -> Walk<'a> {
-        let text = self.text.strip_prefix('\u{feff}').unwrap_or(self.text);
         Walk {
-            rest: Box::new(gcode::lines(text)),
+            lines: self.text.from_start().and_then(Source::new),
             changes: self.changes,
             skips_slashed: self.skips_slashed,
             state: self.start.clone(),
             events: Vec::new(),
-            text: "",
             content: String::new(),
             line: 0,
             tool: None,
             changed_tool: false,
         }
     }
-
-    /// How many lines it has.
-    pub fn lines(&self) -> usize {
-        gcode::lines(self.text.strip_prefix('\u{feff}').unwrap_or(self.text)).count()
-    }
 }
 
-/// Walks through a program from its first line. Constant memory beside the text.
+/// Walks through a program from its first line. Constant memory.
 pub struct Walk<'a> {
-    rest: Box<dyn Iterator<Item = &'a str> + 'a>,
+    lines: io::Result<Source<Box<dyn TextReader + 'a>>>,
     changes: &'a [ToolChange],
     skips_slashed: bool,
     state: State,
     events: Vec<Event>,
-    text: &'a str,
     content: String,
     line: usize,
     tool: Option<u32>,
@@ -70,13 +68,23 @@ impl<'a> Walk<'a> {
     /// Reads the next line; its number, from 1.
     ///
     /// # Errors
-    /// The interpreter's complaint; the line changed nothing.
+    /// The interpreter's complaint: the line changed nothing. Or that the text cannot be read on.
     pub fn step(&mut self) -> Option<Result<usize, InterpretError>> {
-        self.text = self.rest.next()?;
+        let read = match &mut self.lines {
+            Ok(lines) => lines.read().map_err(|e| e.kind()),
+            Err(e) => Err(e.kind()),
+        };
         self.line += 1;
+        let text = match read {
+            Ok(Some((_, text))) => text,
+            Ok(None) => return None,
+            Err(kind) => {
+                return Some(Err(unreadable(self.line, kind)));
+            }
+        };
         self.events.clear();
         self.changed_tool = false;
-        let Sent { content, change } = sent(self.text, self.skips_slashed);
+        let Sent { content, change } = sent(text, self.skips_slashed);
         self.content = content;
         if self.content.is_empty() && !change {
             return Some(Ok(self.line));
@@ -116,8 +124,8 @@ impl<'a> Walk<'a> {
     }
 
     /// The line read last, as it stands in the program.
-    pub fn text(&self) -> &'a str {
-        self.text
+    pub fn text(&self) -> &str {
+        self.lines.as_ref().map_or("", |lines| lines.last())
     }
 
     /// The last tool number told so far.
@@ -144,6 +152,21 @@ impl<'a> Walk<'a> {
         });
         (motions, shift)
     }
+}
+
+/// A text that cannot be read on.
+pub(super) fn unreadable(line: usize, kind: io::ErrorKind) -> InterpretError {
+    InterpretError {
+        line,
+        column: 1,
+        complaint: Complaint::Flow(FlowComplaint::Unreadable { kind }),
+    }
+}
+
+/// How many lines a text has.
+pub(super) fn lines(text: &dyn ProgramText) -> Result<usize, Refusal> {
+    text.count_lines()
+        .map_err(|e| Refusal::Unreadable(unreadable(1, e.kind())))
 }
 
 /// What of a line goes to the controller.

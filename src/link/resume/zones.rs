@@ -1,9 +1,13 @@
 //! The three zones: surely cut, maybe cut, not sent. The drawing stands in the head of [`super`].
 
 use super::blocks::Counter;
+use super::check::{NEAR, near_way};
 use super::refusal::Refusal;
-use super::walk::{Program, sent};
+use super::text::ProgramText;
+use super::walk::{Program, sent, unreadable};
 use crate::gcode::Event;
+use crate::gcode::source::Source;
+use crate::geom::Point;
 use crate::link::journal::{Begin, Damage, Doubt, History, SYNC_GAP};
 use std::collections::VecDeque;
 
@@ -47,12 +51,13 @@ fn is_grbl(begin: &Begin) -> bool {
 ///
 /// # Errors
 /// The program cannot be read (then it is not the one that was sent), or nothing was sent.
-pub fn zones(
-    text: &str,
+pub fn zones<T: ProgramText + ?Sized>(
+    text: &T,
     begin: &Begin,
     history: &History,
     boot: Option<&str>,
 ) -> Result<Zones, Refusal> {
+    let text: &dyn ProgramText = &text;
     let entry = begin.resumed.map_or(1, |r| r.entry);
     let sent = history.sent.max(history.acknowledged);
     let mut last = match (&history.end, &history.damage) {
@@ -66,19 +71,19 @@ pub fn zones(
     let crashed = history.end.is_none();
     let same_boot = boot.is_some() && begin.boot.as_deref() == boot;
     if crashed && (!same_boot || matches!(history.damage, Damage::Zeros { .. })) {
-        last = behind_the_gap(text, begin, last);
+        last = behind_the_gap(text, begin, last)?;
     }
-    let first = surely_cut(text, begin, history)?
+    let counted = surely_cut(text, begin, history, history.acknowledged)?;
+    let last = last
+        .max(begin.resumed.map_or(0, |r| r.maybe_to))
+        .min(begin.lines);
+    let first = seen_on(text, begin, history, counted, last)?
         .min(history.acknowledged)
         .max(entry)
         .max(1);
-    let last = last
-        .max(begin.resumed.map_or(0, |r| r.maybe_to))
-        .min(begin.lines)
-        .max(first);
     Ok(Zones {
         first,
-        last,
+        last: last.max(first),
         lines: begin.lines,
     })
 }
@@ -93,24 +98,97 @@ fn refused(history: &History) -> usize {
 }
 
 /// The last line that may have been sent while the disk was behind.
-fn behind_the_gap(text: &str, begin: &Begin, last: usize) -> usize {
+fn behind_the_gap(text: &dyn ProgramText, begin: &Begin, last: usize) -> Result<usize, Refusal> {
     let mut bytes = begin.bytes_per_s.max(0.0) * SYNC_GAP + 2.0 * begin.rx_bytes as f64;
     let mut end = last;
-    for (index, line) in crate::gcode::lines(text).enumerate().skip(last) {
-        let significant = sent(line, begin.skips_slashed).content.len();
+    let unread = |e: std::io::Error| Refusal::Unreadable(unreadable(last, e.kind()));
+    let mut lines = text.from_start().and_then(Source::new).map_err(unread)?;
+    while let Some((line, text)) = lines.read().map_err(unread)? {
+        if line <= last {
+            continue;
+        }
+        let significant = sent(text, begin.skips_slashed).content.len();
         if significant > 0 {
             bytes -= significant as f64 + 1.0;
         }
-        end = index + 1;
+        end = line;
         if bytes < 0.0 {
             break;
         }
     }
-    end
+    Ok(end)
 }
 
+/// The first line that may not have been cut by `counted` answers, corrected by where the machine was seen last: bytes that a cable makes
+/// up (a line end that arrives twice is a line more, and answered) let the answers run ahead of the lines. A place that is on the way of no
+/// line from `counted` on, but on that of an earlier one, belongs to the last such line; where the cable is known to be bad, to the first of
+/// those that are not long ago, for the way may cross itself. A place beside the way says nothing: [`super::check`] sees to it.
+fn seen_on(
+    text: &dyn ProgramText,
+    begin: &Begin,
+    history: &History,
+    counted: usize,
+    last: usize,
+) -> Result<usize, Refusal> {
+    let Some(seen) = &history.seen else {
+        return Ok(counted);
+    };
+    // Lines that were answered since it was seen were not under way then.
+    let then = match seen.acknowledged < history.acknowledged {
+        true => surely_cut(text, begin, history, seen.acknowledged)?,
+        false => counted,
+    };
+    let place = Point::from(seen.machine);
+    let entry = begin.resumed.map_or(1, |r| r.entry);
+    let back = match history.cable_sound {
+        true => 0,
+        false => held(begin) + begin.rx_bytes / SHORT_LINE,
+    };
+    let mut walk = Program::of(text, history, begin).walk();
+    let (mut before, mut recent, mut inside) = (None, None, false);
+    while let Some(step) = walk.step() {
+        let line = step.map_err(Refusal::Unreadable)?;
+        if line > last || (inside && line >= then) {
+            break;
+        }
+        if walk.changed_tool() {
+            if line == history.acknowledged {
+                // It waits there, and the operator may drive it anywhere.
+                return Ok(counted);
+            }
+            // Whatever was answered by then, all was over when the operator went on.
+            (before, recent) = (None, None);
+        }
+        if line < entry || near_way(&walk, &place) > NEAR {
+            continue;
+        }
+        match line < then {
+            true => {
+                before = Some(line);
+                if line + back >= then {
+                    recent = recent.or(Some(line));
+                }
+            }
+            false => inside = true,
+        }
+    }
+    Ok(match (inside, recent, before) {
+        (_, Some(line), _) if !history.cable_sound => line.min(counted),
+        (false, _, Some(line)) => line.min(counted),
+        _ => counted,
+    })
+}
+
+/// Bytes of a short line: where answers are made up, so many more lines than the receive buffer could hold may be a line off.
+const SHORT_LINE: usize = 4;
+
 /// The first line, up to the last one answered, of which something may be queued still; the line behind it when nothing can be.
-fn surely_cut(text: &str, begin: &Begin, history: &History) -> Result<usize, Refusal> {
+fn surely_cut(
+    text: &dyn ProgramText,
+    begin: &Begin,
+    history: &History,
+    acknowledged: usize,
+) -> Result<usize, Refusal> {
     let counter = Counter::new(begin);
     let held = held(begin);
     let entry = begin.resumed.map_or(1, |r| r.entry);
@@ -119,7 +197,7 @@ fn surely_cut(text: &str, begin: &Begin, history: &History) -> Result<usize, Ref
     let mut queue: VecDeque<(usize, usize)> = VecDeque::new();
     let mut blocks = 0;
     // What stands in a refused line made nobody wait, and what was answered behind it may have been something else.
-    let known = history.acknowledged.min(refused(history) - 1);
+    let known = acknowledged.min(refused(history) - 1);
     let mut walk = Program::of(text, history, begin).walk();
     while let Some(step) = walk.step() {
         let line = step.map_err(Refusal::Unreadable)?;

@@ -270,6 +270,12 @@ impl Session {
         self.waiting.as_ref().filter(|_| self.prompt_told)
     }
 
+    /// The port, lent to an errand at a tool change, is the session's again at time `now`: silence is counted from here.
+    pub fn port_is_back(&mut self, now: Duration) {
+        (self.last_tick, self.last_heard, self.last_answer) = (now, now, now);
+        self.asked = None;
+    }
+
     /// What is known of the controller, kept up to date by its reports.
     pub fn controller(&self) -> &Known {
         &self.known

@@ -82,6 +82,16 @@ impl Session {
         }
     }
 
+    /// Something outside of the session went wrong after which the job must not go on, such as an errand at a tool change: stops in
+    /// order, for this reason. The position counts as lost.
+    pub fn give_up(&mut self, why: String, now: Duration) {
+        if matches!(self.phase, Phase::Introducing | Phase::Streaming) {
+            self.position_kept = false;
+            let told = why.clone();
+            self.stop(Ending::NotReady(why), &told, now);
+        }
+    }
+
     fn reset_now(&mut self, now: Duration) {
         self.note("reset at once: if the machine was moving, its position is lost");
         let streaming = self.phase != Phase::Introducing;

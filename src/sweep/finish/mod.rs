@@ -116,51 +116,107 @@ pub fn finish(
     Ok(Finish { map, stats })
 }
 
-/// Judges tile by tile: `sweep` makes the map of what is left of one tile (and its rim), and whatever else it finds out, which comes
-/// back in the order of the tiles. `paths` are the moves that it sweeps. Same figures for any number of threads and any size of tile;
-/// the map is coarser where it would be larger than [`MAP_CELLS`].
+/// Judges all tiles: [`Judging`] with all moves at once.
 pub fn finish_tiles<X: Send>(
     tiles: &ReachTiles,
     paths: &Paths,
     options: &FinishOptions,
     sweep: impl Fn(usize, &Reachable) -> (Swept, X) + Sync,
 ) -> (Result<Finish, FinishError>, Vec<X>) {
-    let whole = *tiles.lattice();
-    let mut factor = 1;
-    while whole.nx.div_ceil(factor) * whole.ny.div_ceil(factor) > MAP_CELLS && factor < ALIGNED {
-        factor *= 2;
+    let mut judging = Judging::new(tiles, options);
+    let found = judging.look(0..tiles.len(), paths, sweep);
+    (judging.finish(), found)
+}
+
+/// Judges tile by tile, some at a time: the moves of a few tiles are enough to judge them. Same figures for any number of threads, any
+/// size of tile, and any grouping of tiles; the map is coarser where it would be larger than [`MAP_CELLS`].
+pub struct Judging<'a> {
+    tiles: &'a ReachTiles<'a>,
+    options: FinishOptions,
+    /// Cells of the lattice on a side of one of the map's.
+    factor: usize,
+    tally: Tally,
+    map: CuspMap,
+}
+
+impl<'a> Judging<'a> {
+    /// Nothing judged yet.
+    pub fn new(tiles: &'a ReachTiles<'a>, options: &FinishOptions) -> Judging<'a> {
+        let whole = *tiles.lattice();
+        let cells = |factor: usize| whole.nx.div_ceil(factor) * whole.ny.div_ceil(factor);
+        let mut factor = 1;
+        while cells(factor) > MAP_CELLS && factor < ALIGNED {
+            factor *= 2;
+        }
+        Judging {
+            tiles,
+            options: *options,
+            factor,
+            tally: Tally::default(),
+            map: CuspMap::blank(&whole, factor),
+        }
     }
-    let judge = Judge {
-        part: Some(tiles.drop_cutter()),
-        paths,
-        options,
-        whole,
-        factor,
-    };
-    type Found<X> = (Tally, Vec<(usize, MapPart, X)>);
-    let start = || -> Found<X> { (Tally::default(), Vec::new()) };
-    let (tally, mut parts) = (0..tiles.len())
-        .into_par_iter()
-        .fold(start, |(mut tally, mut parts), k| {
-            let reach = tiles.reach(k);
-            let (swept, found) = sweep(k, &reach);
-            let part = judge.look(&reach, &swept.z, &tiles.tile(k), &tiles.wide(k), &mut tally);
-            parts.push((k, part, found));
-            (tally, parts)
-        })
-        .reduce(start, |mut a, b| {
-            a.0.add(&b.0);
-            a.1.extend(b.1);
-            a
-        });
-    parts.sort_by_key(|p| p.0);
-    let mut map = CuspMap::blank(&whole, factor);
-    let mut found = Vec::with_capacity(parts.len());
-    for (k, part, x) in parts {
-        let t = tiles.tile(k);
-        map.place(&part, [t.columns.start / factor, t.rows.start / factor]);
-        found.push(x);
+
+    /// How far from a tile's cells, mm in plan, a move can matter to them.
+    pub fn room(&self) -> f64 {
+        let step = self.tiles.lattice().step;
+        let rim = self.tiles.rim() as f64 * step;
+        let beside = self.options.uncut_above.max(self.options.scallop).max(rim);
+        self.tiles.drop_cutter().radius() + beside + 4.0 * step
     }
-    let stats = tally.stats(&whole);
-    (stats.map(|stats| Finish { map, stats }), found)
+
+    /// Judges some tiles, each once. `sweep` makes the map of what is left of one tile (and its rim), and whatever else it finds out, which
+    /// comes back in the order of the tiles. `paths` are the moves that it sweeps, at least those within [`Judging::room`].
+    pub fn look<X: Send>(
+        &mut self,
+        which: std::ops::Range<usize>,
+        paths: &Paths,
+        sweep: impl Fn(usize, &Reachable) -> (Swept, X) + Sync,
+    ) -> Vec<X> {
+        let tiles = self.tiles;
+        let judge = Judge {
+            part: Some(tiles.drop_cutter()),
+            paths,
+            options: &self.options,
+            whole: *tiles.lattice(),
+            factor: self.factor,
+        };
+        type Found<X> = (Tally, Vec<(usize, MapPart, X)>);
+        let start = || -> Found<X> { (Tally::default(), Vec::new()) };
+        let (tally, mut parts) = which
+            .into_par_iter()
+            .fold(start, |(mut tally, mut parts), k| {
+                let reach = tiles.reach(k);
+                let (swept, found) = sweep(k, &reach);
+                let (own, wide) = (tiles.tile(k), tiles.wide(k));
+                let part = judge.look(&reach, &swept.z, &own, &wide, &mut tally);
+                parts.push((k, part, found));
+                (tally, parts)
+            })
+            .reduce(start, |mut a, b| {
+                a.0.add(&b.0);
+                a.1.extend(b.1);
+                a
+            });
+        self.tally.add(&tally);
+        parts.sort_by_key(|p| p.0);
+        let mut found = Vec::with_capacity(parts.len());
+        for (k, part, x) in parts {
+            let t = tiles.tile(k);
+            let at = [t.columns.start / self.factor, t.rows.start / self.factor];
+            self.map.place(&part, at);
+            found.push(x);
+        }
+        found
+    }
+
+    /// All of it together.
+    ///
+    /// # Errors
+    /// There was nothing to judge.
+    pub fn finish(self) -> Result<Finish, FinishError> {
+        let stats = self.tally.stats(self.tiles.lattice())?;
+        let map = self.map;
+        Ok(Finish { map, stats })
+    }
 }

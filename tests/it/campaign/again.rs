@@ -4,8 +4,9 @@ use super::bench::{Bench, Spot, begin, introduce, machine, standing_at};
 use super::case::{Case, Verdict, job};
 use super::faults::{Class, Schedule};
 use super::follow::{ALONG, follow, lengths, way_of};
-use super::jobs::{Corner, Dice, START, way};
+use super::jobs::{Corner, START, way};
 use super::material::{cuts_of, cuts_of_way, same_part};
+use crate::chance::Chance;
 use morsemill::controller::Controller;
 use morsemill::geom::Point;
 use morsemill::link::journal::{History, fingerprint};
@@ -57,7 +58,7 @@ pub fn again(
     }
     verdict.resumed = true;
     // Lines behind a refused one cut where they should not: that part is the operator's to judge.
-    if case.class != Class::Refused && Dice(case.dice.0 ^ 1).roll(SAMPLE) == 0 {
+    if case.class != Class::Refused && Chance(case.dice.0 ^ 1).roll(SAMPLE) == 0 {
         let start = |c: &[Corner]| c.first().map_or(Point::from(START), |c| c.to);
         let mut pieced = cuts_of(start(&corners), &case.ran.spots);
         pieced.extend(cuts_of(start(&rest), &second.spots));

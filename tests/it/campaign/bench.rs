@@ -1,7 +1,8 @@
 //! Both ends of the cable with a journal between them, from event to event in virtual time.
 
 use super::faults::{Class, Schedule};
-use super::jobs::{Dice, ORIGINS, START, STEPS};
+use super::jobs::{ORIGINS, START, STEPS};
+use crate::chance::Chance;
 use morsemill::controller::{Build, Controller, Faults, Memory, Quirks, Rig, RigOptions, Script};
 use morsemill::geom::Point;
 use morsemill::link::journal::{Begin, FORMAT, Keeper, Offsets, Start, fingerprint};
@@ -167,7 +168,7 @@ pub struct Bench {
     moved_after_restart: f64,
     restarted_at: f64,
     hold_at: Option<f64>,
-    dice: Dice,
+    dice: Chance,
     pieces: usize,
     log: Option<Vec<String>>,
 }
@@ -179,7 +180,7 @@ impl Bench {
         job: Job,
         begin: Begin,
         schedule: Schedule,
-        dice: Dice,
+        dice: Chance,
         trace: bool,
     ) -> Bench {
         let mut dice = dice;

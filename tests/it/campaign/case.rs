@@ -3,8 +3,9 @@
 use super::bench::{Bench, Ran, begin, machine};
 use super::faults::{Class, schedule};
 use super::follow::lengths;
-use super::jobs::{Dice, program, way};
+use super::jobs::{program, way};
 use super::laws::judge;
+use crate::chance::Chance;
 use morsemill::gcode::interpret_line;
 use morsemill::link::vet::{Limits, VetOptions, vet};
 use morsemill::link::{Ending, Job, Known, Text};
@@ -39,7 +40,7 @@ pub struct Case {
     /// Line of the program and bytes of each line of the job.
     pub bytes: Vec<(usize, usize)>,
     pub ran: Ran,
-    pub dice: Dice,
+    pub dice: Chance,
     pub trace: bool,
 }
 
@@ -60,7 +61,7 @@ pub fn job(
 }
 
 /// A random program that passes vetting.
-fn random_program(dice: &mut Dice, class: Class, known: &Known) -> String {
+fn random_program(dice: &mut Chance, class: Class, known: &Known) -> String {
     let count = 10 + dice.roll(60);
     let mut text = program(dice, count, &known.start());
     // Vetting refuses a little more than the interpreter.
@@ -82,7 +83,7 @@ fn random_program(dice: &mut Dice, class: Class, known: &Known) -> String {
 
 /// Runs the case of a seed: `Err` tells the law that was broken. `trace`: keep what was said.
 pub fn case(seed: u64, trace: bool) -> Result<Verdict, String> {
-    let mut dice = Dice(seed);
+    let mut dice = Chance(seed);
     let class = Class::ALL[dice.roll(Class::ALL.len())];
     let (controller, known) = machine(class);
     let text = random_program(&mut dice, class, known);

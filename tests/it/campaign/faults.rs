@@ -1,6 +1,6 @@
 //! What goes wrong in a job, and what the operator wants meanwhile.
 
-use super::jobs::Dice;
+use crate::chance::Chance;
 use morsemill::controller::{Deed, FaultPlan, Noise, When};
 use morsemill::link::{Command, Ending, RapidStep, Step};
 
@@ -115,7 +115,7 @@ impl Schedule {
 }
 
 /// A random one for a job that takes about `duration` seconds and has so many lines.
-pub fn schedule(dice: &mut Dice, class: Class, duration: f64, lines: usize) -> Schedule {
+pub fn schedule(dice: &mut Chance, class: Class, duration: f64, lines: usize) -> Schedule {
     let at = 0.2 + dice.part() * duration;
     let line = 1 + dice.roll(lines);
     let mut plan = FaultPlan::default();
@@ -176,7 +176,7 @@ pub fn schedule(dice: &mut Dice, class: Class, duration: f64, lines: usize) -> S
     }
 }
 
-fn wish(dice: &mut Dice) -> Command {
+fn wish(dice: &mut Chance) -> Command {
     match dice.roll(16) {
         0..=3 => Command::Hold,
         4 => Command::Resume,

@@ -1,5 +1,6 @@
 //! Random programs of everything a job may hold, each taken by the interpreter line by line, and the way their axes should go.
 
+use crate::chance::Chance;
 use morsemill::gcode::{self, Event, FeedMode, MotionKind, State, interpret_line};
 use morsemill::geom::Point;
 use morsemill::kinematics::chords;
@@ -19,31 +20,8 @@ pub const ORIGINS: [[f64; 3]; 6] = [
     [-96.125, -84.0, -60.5],
 ];
 
-/// Random numbers that are the same everywhere: SplitMix64 (Steele, Lea and Flood 2014).
-#[derive(Clone, Debug)]
-pub struct Dice(pub u64);
-
-impl Dice {
-    pub fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    pub fn roll(&mut self, below: usize) -> usize {
-        (self.next() % below.max(1) as u64) as usize
-    }
-
-    /// Between 0 and 1.
-    pub fn part(&mut self) -> f64 {
-        (self.next() >> 11) as f64 / (1u64 << 53) as f64
-    }
-}
-
 /// A program of about so many lines. `start`: what the controller remembers before it.
-pub fn program(dice: &mut Dice, lines: usize, start: &State) -> String {
+pub fn program(dice: &mut Chance, lines: usize, start: &State) -> String {
     let mut state = start.clone();
     let mut text = String::new();
     let head = [
@@ -88,7 +66,7 @@ pub fn program(dice: &mut Dice, lines: usize, start: &State) -> String {
 }
 
 /// One line, or a run of short ones (last first).
-fn random_lines(dice: &mut Dice, state: &State) -> Vec<String> {
+fn random_lines(dice: &mut Chance, state: &State) -> Vec<String> {
     let plain =
         state.distance == gcode::Distance::Absolute && state.feed_mode == FeedMode::PerMinute;
     if plain && dice.roll(12) == 0 {
@@ -115,10 +93,10 @@ fn random_lines(dice: &mut Dice, state: &State) -> Vec<String> {
     vec![random_line(dice, state)]
 }
 
-fn random_line(dice: &mut Dice, state: &State) -> String {
+fn random_line(dice: &mut Chance, state: &State) -> String {
     let unit = state.units.mm();
     let incremental = state.distance == gcode::Distance::Incremental;
-    let axis = |dice: &mut Dice, letter: char, now: f64| {
+    let axis = |dice: &mut Chance, letter: char, now: f64| {
         // A few millimetres from here, in whatever the words mean now.
         let by = dice.roll(800) as f64 / 100.0 - 4.0;
         let to = if incremental {

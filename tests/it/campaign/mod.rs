@@ -28,7 +28,7 @@ use std::collections::BTreeMap;
 
 /// The seed of case `index` of a campaign.
 pub fn seed_of(campaign: u64, index: u64) -> u64 {
-    jobs::Dice(campaign.wrapping_mul(0x1_0000_0001).wrapping_add(index)).next()
+    crate::chance::Chance(campaign.wrapping_mul(0x1_0000_0001).wrapping_add(index)).next()
 }
 
 /// Runs so many cases. What became of them, and the failures with their seeds.

@@ -17,7 +17,9 @@ fn send_args(program: &std::path::Path, json: &std::path::Path, speed: Pace) -> 
         json: Some(json.to_path_buf()),
         events: None,
         plain: true,
+        setup: false,
         tool_plate: None,
+        tool_setter: None,
         take_up: Default::default(),
     }
 }
