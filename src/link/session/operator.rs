@@ -232,6 +232,7 @@ impl Session {
                     Progress::Paused("safety door: close it, then resume".to_string())
                 }
                 (_, Some(prompt)) if !self.hold_asked => Progress::Prompt(prompt),
+                (_, Some(prompt)) => Progress::Paused(format!("on hold, at rest; {prompt}")),
                 _ if self.hold_asked => {
                     Progress::Paused("on hold, at rest: resume or stop".to_string())
                 }

@@ -192,13 +192,20 @@ impl Bench {
     }
 
     pub fn finish(&mut self) -> Outcome {
-        for _ in 0..600_000 {
+        for _ in 0..300_000 {
             if let Some(outcome) = self.session.outcome() {
                 return outcome;
             }
             self.tick();
         }
-        panic!("no end after ten minutes: {:?}", self.log);
+        panic!(
+            "no end after ten minutes: {:?} {:?}",
+            &self.log[..self.log.len().min(200)],
+            self.news
+                .iter()
+                .filter(|n| !matches!(n, Progress::Report(_) | Progress::Connected(_)))
+                .collect::<Vec<_>>()
+        );
     }
 
     pub fn heard(&self, word: &str) -> bool {

@@ -41,8 +41,11 @@ fn programs_end_as_they_like() {
 #[test]
 fn nothing_to_send_is_refused_and_so_are_dollar_lines() {
     for (program, says) in [
-        ("", "there is nothing to send"),
-        ("(only)\n; comments\n\n%\n", "there is nothing to send"),
+        ("", "the program has no line to send"),
+        (
+            "(only)\n; comments\n\n%\n",
+            "the program has no line to send",
+        ),
         ("G0X1\n$H\n", "2:1"),
         ("G0X1\n$J=X4F100\n", "2:1"),
         ("G0X1\n$10=3\n", "2:1"),
@@ -80,10 +83,12 @@ fn a_resume_is_never_repeated_into_the_programs_own_stop() {
     for delay in [1, 150, 400] {
         let program = "G21G90\nG1X6F600\nM0 (look)\nX9\n";
         let mut bench = Bench::on(Controller::new(memory()), program, delay);
-        bench.until_it(|b| b.controller.position().x > 5.6);
+        // At 10 mm/s, a millimetre before the stop once the hold has arrived.
+        bench.until_it(|b| b.controller.position().x > 4.5 - 0.01 * delay as f64);
         bench.command(Command::Hold);
         bench.until("on hold, at rest");
         bench.ticks(1000);
+        assert!(bench.controller.position().x < 6.0);
         bench.command(Command::Resume);
         bench.ticks(20_000);
         assert!(bench.heard("(look)"), "{delay}: {:?}", bench.news);
@@ -96,6 +101,17 @@ fn a_resume_is_never_repeated_into_the_programs_own_stop() {
         bench.command(Command::Resume);
         done(&mut bench);
     }
+}
+
+#[test]
+fn a_hold_at_the_programs_own_stop_tells_of_both() {
+    let mut bench = Bench::plain("G21G90\nG1X6F600\nM0 (look)\nX9\n");
+    bench.until_it(|b| b.controller.position().x == 6.0);
+    bench.ticks(60);
+    bench.command(Command::Hold);
+    bench.until("on hold, at rest; the program pauses at line 3 (look): resume when ready");
+    bench.command(Command::Resume);
+    done(&mut bench);
 }
 
 #[test]

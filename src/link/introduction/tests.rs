@@ -1,5 +1,7 @@
 #![allow(clippy::unwrap_used)]
 use super::*;
+use crate::gcode::{Distance, MotionMode, Units};
+use crate::units::MmPerMin;
 
 fn at(ms: u64) -> Duration {
     Duration::from_millis(ms)
