@@ -51,4 +51,4 @@ pub use plan::{LineMap, Plan, ResumeOptions, from_line, resume};
 pub use prove::{Proof, prove};
 pub use refusal::Refusal;
 pub use walk::{Program, Walk};
-pub use zones::{Zones, zones};
+pub use zones::{Zones, may_lack_the_last, zones};
