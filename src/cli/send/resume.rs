@@ -8,7 +8,9 @@ use crate::cli::Failure;
 use crate::cli::program_file::ProgramFile;
 use crate::gcode::Dialect;
 use crate::link::journal::{Begin, Damage, FORMAT, History, JournalFile, Offsets, Start, read};
-use crate::link::resume::{Now, Overlap, Plan, ResumeOptions, Trust, from_line, resume};
+use crate::link::resume::{
+    Now, Overlap, Plan, ResumeOptions, Trust, from_line, may_lack_the_last, resume,
+};
 use crate::link::vet::{self, VetOptions};
 use crate::link::{Job, Known};
 use crate::machine::Machine;
@@ -176,9 +178,10 @@ pub fn set_aside(path: &Path) -> Result<(), Failure> {
     })
 }
 
-/// Damage that may hide that something was sent.
+/// False when what is missing may have told that something was sent.
 fn is_sound(history: &History) -> bool {
-    !matches!(history.damage, Damage::Broken { .. })
+    let lacking = |begin| may_lack_the_last(begin, history, boot().as_deref());
+    !matches!(history.damage, Damage::Broken { .. }) && !history.begin.as_ref().is_some_and(lacking)
 }
 
 /// A job that begins at its first line must not bury a broken one: makes room for its journal.

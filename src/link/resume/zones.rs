@@ -65,13 +65,11 @@ pub fn zones<T: ProgramText + ?Sized>(
         (Some(_), _) => sent,
         (None, _) => sent.max(history.allowed),
     };
+    if may_lack_the_last(begin, history, boot) {
+        last = behind_the_gap(text, begin, last)?;
+    }
     if last == 0 && begin.resumed.is_none() {
         return Err(Refusal::NothingSent);
-    }
-    let crashed = history.end.is_none();
-    let same_boot = boot.is_some() && begin.boot.as_deref() == boot;
-    if crashed && (!same_boot || matches!(history.damage, Damage::Zeros { .. })) {
-        last = behind_the_gap(text, begin, last)?;
     }
     let counted = surely_cut(text, begin, history, history.acknowledged)?;
     let last = last
@@ -86,6 +84,12 @@ pub fn zones<T: ProgramText + ?Sized>(
         last: last.max(first),
         lines: begin.lines,
     })
+}
+
+/// True when the computer may have lost its power before its disk had the journal's last records. `boot` is its boot now.
+pub fn may_lack_the_last(begin: &Begin, history: &History, boot: Option<&str>) -> bool {
+    let same_boot = boot.is_some() && begin.boot.as_deref() == boot;
+    history.end.is_none() && (!same_boot || matches!(history.damage, Damage::Zeros { .. }))
 }
 
 /// The first line that was refused: it was dropped whole, whatever was answered behind it.

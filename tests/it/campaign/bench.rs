@@ -5,7 +5,7 @@ use super::jobs::{ORIGINS, START, STEPS};
 use crate::chance::Chance;
 use morsemill::controller::{Build, Controller, Faults, Memory, Quirks, Rig, RigOptions, Script};
 use morsemill::geom::Point;
-use morsemill::link::journal::{Begin, FORMAT, Keeper, Offsets, Start, fingerprint};
+use morsemill::link::journal::{Begin, FORMAT, Keeper, Offsets, SYNC_GAP, Start, fingerprint};
 use morsemill::link::{
     Command, Introduction, IntroductionOptions, Job, Known, Outcome, Progress, Session,
     SessionOptions,
@@ -168,6 +168,8 @@ pub struct Bench {
     moved_after_restart: f64,
     restarted_at: f64,
     hold_at: Option<f64>,
+    /// How long the journal was when.
+    flushed: Vec<(f64, usize)>,
     dice: Chance,
     pieces: usize,
     log: Option<Vec<String>>,
@@ -213,6 +215,7 @@ impl Bench {
             moved_after_restart: 0.0,
             restarted_at: 0.0,
             hold_at: None,
+            flushed: Vec::new(),
             dice,
             pieces: 0,
             log: trace.then(Vec::new),
@@ -283,12 +286,21 @@ impl Bench {
         }
         self.operator();
         let turn = self.keeper.turn(now, false).unwrap();
+        if !turn.bytes.is_empty() {
+            self.flushed.push((self.rig.now(), self.journal.len()));
+        }
         self.journal.extend(turn.bytes);
         self.session.allow_up_to(turn.allowed);
         self.session.tick(now);
         let mut out = self.session.output();
         out.truncate(self.schedule.takes);
         self.session.written(out.len());
+        let gone = self.schedule.gone.is_some_and(|t| self.rig.now() >= t);
+        if gone {
+            // Nobody knows how much of it went out.
+            out.truncate(self.dice.roll(out.len() + 1));
+            self.session.broken("the port is gone".to_string(), now);
+        }
         if !out.is_empty() {
             self.pieces += usize::from(out.contains(&b'X'));
             if self.schedule.refuse.is_some_and(|n| self.pieces >= n)
@@ -327,6 +339,20 @@ impl Bench {
         }
     }
 
+    /// What the disk has of the journal is some time old; the rest is missing, torn or zeros.
+    fn cut_power(&mut self) {
+        let first = self.journal.iter().position(|b| *b == b'\n').unwrap_or(0) + 1;
+        let since = self.rig.now() - SYNC_GAP * self.dice.part();
+        let kept = self.flushed.iter().find(|f| f.0 >= since);
+        let kept = kept.map_or(self.journal.len(), |f| f.1).max(first);
+        let more = self.dice.roll(self.journal.len() - kept + 1);
+        match self.dice.roll(3) {
+            0 => self.journal.truncate(kept),
+            1 => self.journal.truncate(kept + more),
+            _ => self.journal.iter_mut().skip(kept).for_each(|b| *b = 0),
+        }
+    }
+
     /// Runs the job until its session ends, or its sender is killed, and lets the machine do what it does then. `None`: it never ended.
     pub fn run(mut self) -> Ran {
         let outcome = loop {
@@ -348,6 +374,7 @@ impl Bench {
                 let last = self.keeper.end(outcome, at);
                 self.journal.extend(last);
             }
+            None if self.schedule.class == Class::PowerCut => self.cut_power(),
             None if self.schedule.kill.is_some() => {
                 // What was not flushed is lost, or torn.
                 let late = self

@@ -20,8 +20,17 @@ pub const ORIGINS: [[f64; 3]; 6] = [
     [-96.125, -84.0, -60.5],
 ];
 
+/// What a program may hold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Holds {
+    /// Motions, modes, offsets that a reset forgets, pauses.
+    Motions,
+    /// Also tool changes, and offsets that are stored for good.
+    All,
+}
+
 /// A program of about so many lines. `start`: what the controller remembers before it.
-pub fn program(dice: &mut Chance, lines: usize, start: &State) -> String {
+pub fn program(dice: &mut Chance, lines: usize, start: &State, holds: Holds) -> String {
     let mut state = start.clone();
     let mut text = String::new();
     let head = [
@@ -36,12 +45,12 @@ pub fn program(dice: &mut Chance, lines: usize, start: &State) -> String {
     let mut count = 0;
     while count < lines + head.len() {
         if wanted.is_empty() {
-            wanted = random_lines(dice, &state);
+            wanted = random_lines(dice, &state, holds);
         }
         let Some(line) = wanted.pop() else { continue };
         let mut trial = state.clone();
         let mut events = Vec::new();
-        if interpret_line(&mut trial, &line, count + 1, &mut events).is_err() {
+        if interpret_line(&mut trial, &sent(&line), count + 1, &mut events).is_err() {
             continue;
         }
         let near = |p: &Point| p.iter().all(|c| c.abs() < 160.0);
@@ -66,7 +75,10 @@ pub fn program(dice: &mut Chance, lines: usize, start: &State) -> String {
 }
 
 /// One line, or a run of short ones (last first).
-fn random_lines(dice: &mut Chance, state: &State) -> Vec<String> {
+fn random_lines(dice: &mut Chance, state: &State, holds: Holds) -> Vec<String> {
+    if holds == Holds::All && dice.roll(25) == 0 {
+        return rare_lines(dice, state);
+    }
     let plain =
         state.distance == gcode::Distance::Absolute && state.feed_mode == FeedMode::PerMinute;
     if plain && dice.roll(12) == 0 {
@@ -91,6 +103,31 @@ fn random_lines(dice: &mut Chance, state: &State) -> Vec<String> {
         return run;
     }
     vec![random_line(dice, state)]
+}
+
+/// A tool change, or an offset that outlives the job (last line first).
+fn rare_lines(dice: &mut Chance, state: &State) -> Vec<String> {
+    let unit = state.units.mm();
+    let system = 1 + dice.roll(6);
+    let near = |dice: &mut Chance, of: f64| (of + dice.part() * 4.0 - 2.0) / unit;
+    let zero = state.g5x.get(system - 1).copied().unwrap_or_default();
+    match dice.roll(4) {
+        // The session cannot set an arc's mode anew behind it: a line that relied on one would be refused.
+        0 | 1 => vec![
+            format!("G1 F{:.1}", 400.0 / unit),
+            format!("{}M6 (tool)", ["", "T2 ", "T7"][dice.roll(3)]),
+        ],
+        2 => vec![format!(
+            "G10 L2 P{system} X{:.3} Y{:.3} Z{:.3}",
+            near(dice, zero.x),
+            near(dice, zero.y),
+            near(dice, zero.z)
+        )],
+        _ => vec![format!(
+            "G10 L20 P{system} Z{:.3}",
+            near(dice, state.position.z)
+        )],
+    }
 }
 
 fn random_line(dice: &mut Chance, state: &State) -> String {
@@ -269,5 +306,7 @@ fn sent(line: &str) -> String {
             c => out.push(c.to_ascii_uppercase()),
         }
     }
+    // The session keeps tool changes for itself.
+    let out = out.replacen("M6", "", 1);
     if out == "%" { String::new() } else { out }
 }

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod breaks;
+mod cli;
 mod entry;
 mod process;
 mod sender;
@@ -11,7 +12,7 @@ mod zoned;
 
 use super::campaign::bench;
 use super::campaign::faults::Class;
-use super::campaign::jobs::{self, START};
+use super::campaign::jobs::{self, Holds, START};
 use crate::chance::Chance;
 use morsemill::controller::Controller;
 use morsemill::gcode::{State, interpret_line};
@@ -26,7 +27,12 @@ const HELD: usize = 15 + 6;
 
 /// A program of random lines, of which the interpreter takes every one.
 fn program(seed: u64, lines: usize) -> String {
-    jobs::program(&mut Chance(seed), lines, &reset_state(START))
+    jobs::program(
+        &mut Chance(seed),
+        lines,
+        &reset_state(START),
+        Holds::Motions,
+    )
 }
 
 /// A machine just reset, with the offsets of these tests, at machine `place`.

@@ -54,7 +54,7 @@ fn passes(dice: &mut Chance) -> String {
 }
 
 /// The controller, the program and its journal.
-struct Table {
+pub struct Table {
     tcp: Tcp,
     news: Receiver<News>,
     dir: tempfile::TempDir,
@@ -62,7 +62,7 @@ struct Table {
 }
 
 impl Table {
-    fn lay(dice: &mut Chance) -> Table {
+    pub fn lay(dice: &mut Chance) -> Table {
         let machine = Machine::load(MACHINE).unwrap();
         let mut controller = Controller::of_machine(&machine);
         controller.set_work_zero(&Point::from(ZERO));
@@ -93,24 +93,25 @@ impl Table {
         }
     }
 
-    fn program(&self) -> PathBuf {
+    pub fn program(&self) -> PathBuf {
         self.dir.path().join("part.nc")
     }
 
-    fn journal(&self) -> PathBuf {
+    pub fn journal(&self) -> PathBuf {
         self.dir.path().join("part.nc.journal")
     }
 
-    fn send(&self, more: &[&str]) -> Child {
+    pub fn arguments(&self) -> Vec<String> {
+        let port = format!("tcp://{}", self.tcp.address());
+        let program = self.program().display().to_string();
+        ["send", &program, "--machine", MACHINE, "--port", &port]
+            .map(String::from)
+            .to_vec()
+    }
+
+    pub fn send(&self, more: &[&str]) -> Child {
         Command::new(env!("CARGO_BIN_EXE_morsemill"))
-            .arg("send")
-            .arg(self.program())
-            .args([
-                "--machine",
-                MACHINE,
-                "--port",
-                &format!("tcp://{}", self.tcp.address()),
-            ])
+            .args(self.arguments())
             .args(more)
             .stdin(Stdio::null())
             .stdout(Stdio::piped())
@@ -120,7 +121,7 @@ impl Table {
     }
 
     /// Waits until the axes have stood for a while; where.
-    fn rest(&self) -> Point {
+    pub fn rest(&self) -> Point {
         let began = Instant::now();
         let mut quiet = Instant::now();
         while quiet.elapsed() < Duration::from_millis(60) {
@@ -139,7 +140,7 @@ fn history(path: &Path) -> Option<History> {
     Some(read(&bytes[..]).unwrap())
 }
 
-fn told(out: &Output) -> String {
+pub fn told(out: &Output) -> String {
     format!(
         "{}{}",
         String::from_utf8_lossy(&out.stdout),
