@@ -81,9 +81,7 @@ impl Desk {
             (Some("help"), None) => return Typed::Tell(HELP.to_string()),
             (Some("history"), None) => {
                 let lines = self.history.iter().enumerate();
-                let lines: Vec<String> = lines
-                    .map(|(i, l)| format!("{:>3}  {l}", i + 1))
-                    .collect();
+                let lines: Vec<String> = lines.map(|(i, l)| format!("{:>3}  {l}", i + 1)).collect();
                 return Typed::Tell(match lines.is_empty() {
                     true => "nothing was sent yet".to_string(),
                     false => lines.join("\n"),
@@ -190,10 +188,11 @@ pub fn run(args: &ConsoleArgs) -> Result<ExitCode, Failure> {
                     say(&format!("note: {text}"));
                 }
                 News::Stopping(text) => say(text),
+                // Told below, unless it is to be shown as it came.
+                News::Said(_, reply) if matches!(**reply, Reply::Status(_)) && !args.raw => {}
                 News::Said(line, reply) if matches!(**reply, Reply::Status(_)) => {
-                    if args.raw && std::mem::take(&mut wants_report) {
-                        show(line);
-                    }
+                    let wanted = std::mem::take(&mut wants_report);
+                    wanted.then(|| show(line));
                 }
                 News::Said(line, reply) if !line.is_empty() => {
                     troubles += usize::from(matches!(**reply, Reply::Error(_) | Reply::Alarm(_)));

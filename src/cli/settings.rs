@@ -109,7 +109,11 @@ struct Written {
     besides: Vec<String>,
 }
 
-fn rows(settings: &[Difference], offsets: &[MovedOffset], startup: &[(usize, String, String)]) -> Differences {
+fn rows(
+    settings: &[Difference],
+    offsets: &[MovedOffset],
+    startup: &[(usize, String, String)],
+) -> Differences {
     let row = |d: &Difference| {
         let known = settings_file::meaning(d.number);
         DifferenceRow {
@@ -167,12 +171,26 @@ fn in_words(d: &Difference) -> String {
 
 fn offset_in_words(o: &MovedOffset) -> String {
     let controller = o.controller.map_or("not told".to_string(), place);
-    format!("{}: {} in the file, {controller} in the controller (machine coordinates, mm)", o.name, place(o.file))
+    format!(
+        "{}: {} in the file, {controller} in the controller (machine coordinates, mm)",
+        o.name,
+        place(o.file)
+    )
 }
 
 fn startup_in_words((n, file, controller): &(usize, String, String)) -> String {
-    let text = |t: &str| if t.is_empty() { "nothing".to_string() } else { format!("`{t}`") };
-    format!("$N{n} (start-up line): {} in the file, {} in the controller", text(file), text(controller))
+    let text = |t: &str| {
+        if t.is_empty() {
+            "nothing".to_string()
+        } else {
+            format!("`{t}`")
+        }
+    };
+    format!(
+        "$N{n} (start-up line): {} in the file, {} in the controller",
+        text(file),
+        text(controller)
+    )
 }
 
 /// Saves, restores or compares.
@@ -214,7 +232,9 @@ fn read(path: &Path) -> Result<Saved, Failure> {
 fn diff(args: &DiffArgs) -> Result<ExitCode, Failure> {
     let connect = &args.file.connect;
     let file = read(&args.file.file)?;
-    let done = connect.open(SimBench::Plain)?.perform_aloud(Save::default());
+    let done = connect
+        .open(SimBench::Plain)?
+        .perform_aloud(Save::default());
     let (mut settings, mut offsets, mut startup) = (Vec::new(), Vec::new(), Vec::new());
     if done.result.is_ok() {
         let now = &done.task.saved;
@@ -263,28 +283,40 @@ fn restore(args: &RestoreArgs) -> Result<ExitCode, Failure> {
     }
     let now = &before.task.saved;
     if let Some(why) = file.foreign(now) {
-        return Err(Failure::Rejected(format!("{}: {why}. Nothing was written", args.file.file.display())));
+        return Err(Failure::Rejected(format!(
+            "{}: {why}. Nothing was written",
+            args.file.file.display()
+        )));
     }
     let settings = plan(&file, &before.known, now)?;
     let mut task = Restore::new(file.settings.clone());
     let moved = moved_offsets(&file, now);
-    let (stored, moved): (Vec<_>, Vec<_>) =
-        moved.into_iter().partition(|o| matches!(o.name.as_str(), "G28" | "G30"));
+    let (stored, moved): (Vec<_>, Vec<_>) = moved
+        .into_iter()
+        .partition(|o| matches!(o.name.as_str(), "G28" | "G30"));
     if args.offsets {
         for o in &stored {
             say(&format!(
                 "note: {} is not written, as the firmware stores it only where the machine stands: drive to {} and send {}.1 (`morsemill console`)",
-                o.name, place(o.file), o.name
+                o.name,
+                place(o.file),
+                o.name
             ));
         }
-        task.offsets = moved.iter().filter_map(|o| Some((system(&o.name)?, o.file))).collect();
+        task.offsets = moved
+            .iter()
+            .filter_map(|o| Some((system(&o.name)?, o.file)))
+            .collect();
     }
     let startup = other_startup(&file, now);
     if args.startup_lines {
         for (n, text, _) in &startup {
             Restore::startup_line(*n, text).map_err(|e| failure(&e))?;
         }
-        task.startup = startup.iter().map(|(n, text, _)| (*n, text.clone())).collect();
+        task.startup = startup
+            .iter()
+            .map(|(n, text, _)| (*n, text.clone()))
+            .collect();
     }
     if settings.is_empty() && task.offsets.is_empty() && task.startup.is_empty() {
         tell("nothing to write: the controller has these settings")?;
@@ -331,7 +363,10 @@ fn restore(args: &RestoreArgs) -> Result<ExitCode, Failure> {
         let all: Vec<String> = settings.chain(done.task.besides.iter().cloned()).collect();
         say(&match all.is_empty() {
             true => "nothing was written".to_string(),
-            false => format!("sent before that: {}. Compare with `morsemill settings diff`", all.join(" ")),
+            false => format!(
+                "sent before that: {}. Compare with `morsemill settings diff`",
+                all.join(" ")
+            ),
         });
     }
     let details = Written {
@@ -405,6 +440,9 @@ mod tests {
             }),
             "G54: X1.000 Y0.000 Z2.500 in the file, X0.000 Y0.000 Z0.000 in the controller (machine coordinates, mm)"
         );
-        assert_eq!((system("G54"), system("G59"), system("G28")), (Some(0), Some(5), None));
+        assert_eq!(
+            (system("G54"), system("G59"), system("G28")),
+            (Some(0), Some(5), None)
+        );
     }
 }

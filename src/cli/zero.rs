@@ -55,7 +55,9 @@ pub fn run(args: &ZeroArgs) -> Result<ExitCode, Failure> {
     if args.go {
         let retract = match args.machine_top {
             true => Retract::MachineTop,
-            false => args.safe_z.map_or(Retract::TopOr(10.0_f64.max(args.clearance)), Retract::Work),
+            false => args
+                .safe_z
+                .map_or(Retract::TopOr(10.0_f64.max(args.clearance)), Retract::Work),
         };
         let task = GoTo::zero(retract, args.clearance);
         let done = args.connect.open(SimBench::Plain)?.perform_aloud(task);

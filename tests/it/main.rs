@@ -33,6 +33,7 @@ mod looks;
 mod machines;
 mod recordings;
 mod resume;
+mod screen;
 
 mod own_files;
 mod refusals;

@@ -178,7 +178,11 @@ impl Board {
             feed: status.feed.map(|f| f * unit),
             speed: status.speed,
             overrides: status.overrides.or(overrides),
-            accessories: if told { status.accessories.clone() } else { accessories },
+            accessories: if told {
+                status.accessories.clone()
+            } else {
+                accessories
+            },
             pins: status.pins.clone(),
             buffer: status.buffer,
             in_flight: 0,
@@ -209,8 +213,10 @@ impl Board {
     /// The screen, line by line: none wider than `width`, not more than `rows`. What matters least is left out first.
     pub fn draw(&self, width: usize, rows: usize) -> Vec<String> {
         // How much each line matters: 0 stays longest.
-        let mut lines: Vec<(u8, String)> =
-            vec![(6, format!("{}   {}", self.title, self.version)), (9, String::new())];
+        let mut lines: Vec<(u8, String)> = vec![
+            (6, format!("{}   {}", self.title, self.version)),
+            (9, String::new()),
+        ];
         match &self.report {
             None => lines.push((0, "waiting for the controller".to_string())),
             Some(r) => self.state(r, width, &mut lines),
@@ -236,10 +242,7 @@ impl Board {
         for line in keys {
             lines.extend(wrap(line, width).into_iter().map(|l| (5, l)));
         }
-        fit(lines, rows)
-            .iter()
-            .map(|l| cut(l, width))
-            .collect()
+        fit(lines, rows).iter().map(|l| cut(l, width)).collect()
     }
 
     fn state(&self, r: &Report, width: usize, lines: &mut Vec<(u8, String)>) {
@@ -249,7 +252,10 @@ impl Board {
         };
         let left = clock(self.left_s());
         if width < NARROW {
-            lines.push((0, format!("{} {:.0}% {left} left", r.state.text(), share * 100.0)));
+            lines.push((
+                0,
+                format!("{} {:.0}% {left} left", r.state.text(), share * 100.0),
+            ));
             let p = r.position.or(r.machine_position).unwrap_or_default();
             lines.push((2, format!("X{:.2} Y{:.2}", p[0] + 0.0, p[1] + 0.0)));
             lines.push((2, format!("Z{:.2}", p[2] + 0.0)));
@@ -528,7 +534,10 @@ space/h hold   r resume   x stop   d door   s spindle off/on in hold   f flood  
         let mut b = board();
         b.hand = Some(InHand { step: 0.1 });
         let shown = b.draw(100, 24).join("\n");
-        assert!(shown.contains("by hand  jog step 0.1 mm   pins P"), "{shown}");
+        assert!(
+            shown.contains("by hand  jog step 0.1 mm   pins P"),
+            "{shown}"
+        );
         assert!(shown.contains(HAND_KEYS[0]) && !shown.contains(KEYS[0]));
     }
 
@@ -539,6 +548,9 @@ space/h hold   r resume   x stop   d door   s spindle off/on in hold   f flood  
             "Run  25 of 100 lines  X12.50 Y-3.25 Z0.00  0:00 left"
         );
         assert_eq!(Board::default().progress(), None);
-        assert_eq!(Board::default().draw(80, 24)[2], "waiting for the controller");
+        assert_eq!(
+            Board::default().draw(80, 24)[2],
+            "waiting for the controller"
+        );
     }
 }

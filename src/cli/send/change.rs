@@ -5,8 +5,7 @@ use super::hands::{Done, Hands, Leave, Offer, loses_the_job};
 use super::listener::Listener;
 use crate::link::Known;
 use crate::link::errand::{
-    Down, ErrandError, GoTo, NO_DIFFERENCE, Probe, ProbeOptions, Retract, Rise, ToolLength,
-    Watch,
+    Down, ErrandError, GoTo, NO_DIFFERENCE, Probe, ProbeOptions, Retract, Rise, ToolLength, Watch,
 };
 use crate::link::journal::Offsets;
 use crate::link::{Progress, Prompt};
@@ -37,7 +36,7 @@ pub struct Changer {
     pub gauge: Gauge,
     /// Lowest and highest work Z of the program, mm.
     pub range: Option<[f64; 2]>,
-    /// The measured difference needs no second word.
+    /// The difference that a sensor measured needs no second word.
     pub yes: bool,
     /// Machine Z at which the tool in the spindle touched the sensor, mm.
     pub reference: Option<f64>,
@@ -47,7 +46,7 @@ pub struct Changer {
 #[derive(Debug)]
 pub enum Changed {
     /// The program goes on with these offsets; `None`: as they were.
-    GoOn(Option<Offsets>),
+    GoOn(Option<Box<Offsets>>),
     /// The operator ends the job.
     Stop,
     /// The job cannot go on, and why.
@@ -72,7 +71,12 @@ impl Changer {
     }
 
     /// The whole tool change. The session rests: everything was answered and the controller is Idle.
-    pub fn change(&mut self, prompt: &Prompt, hands: &mut Hands<'_>, listener: &mut Listener) -> Changed {
+    pub fn change(
+        &mut self,
+        prompt: &Prompt,
+        hands: &mut Hands<'_>,
+        listener: &mut Listener,
+    ) -> Changed {
         let up = hands.afresh(Rise::new(self.top()), listener);
         let before = up.known.clone();
         let mut change = Change {
@@ -82,7 +86,10 @@ impl Changer {
             measured: None,
         };
         if up.task.by > 0.0 && up.result.is_ok() {
-            listener.note(&format!("lifted by {:.3} mm for the tool change", up.task.by));
+            listener.note(&format!(
+                "lifted by {:.3} mm for the tool change",
+                up.task.by
+            ));
         }
         if let Err(e) = self.survived(up.result, "the tool was not lifted", listener) {
             return Changed::Lost(e);
@@ -148,7 +155,9 @@ impl Changer {
             let told = self.told(by, change, &known);
             let same = shown.is_some_and(|s| (s - by).abs() < NO_DIFFERENCE);
             let unattended = !listener.has_keys() && change.measured.is_none();
-            if same || self.yes || unattended {
+            // A plate has to be taken away first, whatever was said before.
+            let yes = self.yes && !matches!(self.gauge, Gauge::Plate(_));
+            if same || yes || unattended {
                 if !same {
                     listener.note(&told);
                 }
@@ -171,7 +180,10 @@ impl Changer {
             (Gauge::Sensor(_), Some(touch), Some(reference)) if by_hand.abs() < NO_DIFFERENCE => {
                 (touch - reference, None)
             }
-            _ => (by_hand, Some(change.before.modes.work_offset().unwrap_or(0))),
+            _ => (
+                by_hand,
+                Some(change.before.modes.work_offset().unwrap_or(0)),
+            ),
         }
     }
 
@@ -188,6 +200,9 @@ impl Changer {
                 if by > 0.0 { "longer" } else { "shorter" }
             ),
         };
+        if matches!(self.gauge, Gauge::Plate(_)) && change.measured.is_some() {
+            text += ". Take the plate and its clip away";
+        }
         if let Some(left) = change.left.filter(|_| change.lifted > 0.0) {
             text += &format!(
                 ". Then over X{:.3} Y{:.3} and down to Z{:.3}, where the program left off, with the spindle off",
@@ -266,8 +281,9 @@ impl Changer {
         if let Err(e) = now.result {
             return Changed::Lost(e.to_string());
         }
-        let changed = by.abs() >= NO_DIFFERENCE || now.known.offsets.g5x != change.before.offsets.g5x;
-        Changed::GoOn(changed.then(|| Offsets::of(&now.known.offsets)))
+        let changed =
+            by.abs() >= NO_DIFFERENCE || now.known.offsets.g5x != change.before.offsets.g5x;
+        Changed::GoOn(changed.then(|| Box::new(Offsets::of(&now.known.offsets))))
     }
 
     /// Measures the new tool; `false`: it did not work, and the operator may try again.
@@ -307,9 +323,10 @@ impl Changer {
         if !self.survived(over.result, what, listener)? {
             return Ok(None);
         }
-        let (Some((low, _)), Some(here)) =
-            (crate::link::errand::room_of_z(&known), known.machine_position)
-        else {
+        let (Some((low, _)), Some(here)) = (
+            crate::link::errand::room_of_z(&known),
+            known.machine_position,
+        ) else {
             return Ok(None);
         };
         let task = Probe::new(ProbeOptions {

@@ -180,16 +180,16 @@ impl Hands<'_> {
                     self.step = (self.step + 1).min(STEPS.len() - 1);
                     continue;
                 }
-                Hand::Jog { axis, plus } => {
-                    self.jog(axis, plus, self.step(), &mut known, listener)
-                }
+                Hand::Jog { axis, plus } => self.jog(axis, plus, self.step(), &mut known, listener),
                 what @ (Hand::Zero(_) | Hand::Home) if answered.is_none() => {
                     if what == Hand::Home && offer != Offer::Start {
                         listener.note("homing is offered only before the start: it may move the work zero by some steps");
                         continue;
                     }
                     let text = match what {
-                        Hand::Zero(axis) => format!("set work {} zero here?", ["X", "Y", "Z"][axis]),
+                        Hand::Zero(axis) => {
+                            format!("set work {} zero here?", ["X", "Y", "Z"][axis])
+                        }
                         _ => "home the machine? It drives to its switches".to_string(),
                     };
                     listener.board.attention =
@@ -207,15 +207,24 @@ impl Hands<'_> {
                     done.result
                 }
                 Hand::Measure => {
-                    listener.note("there is nothing to measure with: --tool-plate or --tool-setter names it");
+                    listener.note(
+                        "there is nothing to measure with: --tool-plate or --tool-setter names it",
+                    );
                     continue;
                 }
                 Hand::Yes | Hand::Halt | Hand::Other => continue,
             };
             let Err(e) = result else { continue };
             match (&e, offer) {
-                (ErrandError::Cancelled { position_kept: true }, _) => {}
-                (ErrandError::Broken { .. } | ErrandError::Silent { .. }, _) => return Leave::Lost(e),
+                (
+                    ErrandError::Cancelled {
+                        position_kept: true,
+                    },
+                    _,
+                ) => {}
+                (ErrandError::Broken { .. } | ErrandError::Silent { .. }, _) => {
+                    return Leave::Lost(e);
+                }
                 (_, Offer::ToolChange { .. }) if loses_the_job(&e) => return Leave::Lost(e),
                 _ => listener.note(&e.to_string()),
             }
@@ -260,7 +269,7 @@ impl Hands<'_> {
             known.clone(),
             self.start.elapsed(),
         );
-        let mut presses = 0;
+        let (mut presses, mut finer, mut coarser) = (0, 0, 0);
         let done = self.perform(errand, listener, &mut |errand, press, now| match press {
             // A held key repeats: the same way goes on, one step ahead at most.
             Press::Hand(Hand::Jog { axis: a, plus: p }) if (a, p) == (axis, plus) => {
@@ -273,8 +282,13 @@ impl Hands<'_> {
                     _ => errand.reset_now(now),
                 }
             }
+            Press::Hand(Hand::Finer) => finer += 1,
+            Press::Hand(Hand::Coarser) => coarser += 1,
             _ => errand.cancel(now),
         });
+        self.step = (self.step + coarser)
+            .saturating_sub(finer)
+            .min(STEPS.len() - 1);
         *known = done.known;
         done.result
     }

@@ -196,8 +196,11 @@ mod tests {
         let ctrl_x = KeyEvent::new(KeyCode::Char('x'), KeyModifiers::CONTROL);
         assert_eq!(pressed(&ctrl_x), None);
         assert_eq!(hand(&ctrl_x), Some(Hand::Other));
-        let release =
-            KeyEvent::new_with_kind(KeyCode::Char('r'), KeyModifiers::NONE, KeyEventKind::Release);
+        let release = KeyEvent::new_with_kind(
+            KeyCode::Char('r'),
+            KeyModifiers::NONE,
+            KeyEventKind::Release,
+        );
         assert_eq!(pressed(&release), None);
         assert_eq!(hand(&release), None);
         // Every key of the help line does something.

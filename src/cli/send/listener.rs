@@ -252,9 +252,11 @@ impl Listener {
 
     /// What one Ctrl-C more means.
     fn pressed(&mut self, by_hand: bool) -> Option<Command> {
-        let held = self.board.report.as_ref().is_some_and(|r| {
-            matches!(r.state, State::Hold { .. } | State::Door(_))
-        });
+        let held = self
+            .board
+            .report
+            .as_ref()
+            .is_some_and(|r| matches!(r.state, State::Hold { .. } | State::Door(_)));
         let (next, command) = match (self.pressure, by_hand) {
             (Pressure::None, true) if !held => (Pressure::Held, Some(Command::Hold)),
             (Pressure::None, false) => (Pressure::Stopping, Some(Command::Stop)),

@@ -72,7 +72,12 @@ pub struct SendArgs {
     pub setup: bool,
     /// At a tool change (M6): probe a plate of this thickness that lies on work Z zero, right below the tool. Without it and without
     /// --tool-setter the operator touches the new tool off by keys. The difference is shown, confirmed, and written to every work offset
-    #[arg(long, value_name = "MM", allow_negative_numbers = true, conflicts_with = "tool_setter")]
+    #[arg(
+        long,
+        value_name = "MM",
+        allow_negative_numbers = true,
+        conflicts_with = "tool_setter"
+    )]
     pub tool_plate: Option<f64>,
     /// At a tool change (M6): measure the old tool and the new one on a fixed sensor at this place, machine coordinates in mm (homed
     /// machine with soft limits)

@@ -131,10 +131,7 @@ impl Screen {
                 // Draw all of it again.
                 Ok(event::Event::Resize(..)) => {
                     self.shown.clear();
-                    let _ = execute!(
-                        std::io::stderr(),
-                        terminal::Clear(terminal::ClearType::All)
-                    );
+                    let _ = execute!(std::io::stderr(), terminal::Clear(terminal::ClearType::All));
                 }
                 Ok(_) => {}
                 Err(TryRecvError::Empty) => return None,

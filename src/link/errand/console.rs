@@ -234,9 +234,9 @@ impl Console {
 
 /// The controller would refuse it in motion (error 8): it waits for the end instead.
 fn needs_rest(line: &Exchange) -> bool {
-    line.text.strip_prefix('$').is_some_and(|dollar| {
-        !(matches!(dollar, "" | "G" | "X") || dollar.starts_with("J="))
-    })
+    line.text
+        .strip_prefix('$')
+        .is_some_and(|dollar| !(matches!(dollar, "" | "G" | "X") || dollar.starts_with("J=")))
 }
 
 impl Task for Console {

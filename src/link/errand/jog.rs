@@ -153,7 +153,10 @@ impl Jog {
         }
         let axes = || (0..3usize).filter(|i| jog.axes[*i].is_some());
         if axes().any(|i| room(known, i).is_none()) {
-            notes.push("the machine is not known to be homed: nothing checks whether it can go as far".to_string());
+            notes.push(
+                "the machine is not known to be homed: nothing checks whether it can go as far"
+                    .to_string(),
+            );
         }
         let rate = |i: usize| known.setting(110 + i as u16).filter(|r| *r > 0.0);
         let fastest = axes().filter_map(rate).fold(0.0, f64::max);

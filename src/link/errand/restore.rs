@@ -77,10 +77,14 @@ impl Restore {
     /// It moves the machine, or has characters that cannot travel.
     pub fn startup_line(number: usize, text: &str) -> Result<String, ErrandError> {
         let wrong = |why: &str| {
-            Err(ErrandError::NotPossible(format!("start-up line $N{number}: {why}")))
+            Err(ErrandError::NotPossible(format!(
+                "start-up line $N{number}: {why}"
+            )))
         };
         let line = format!("$N{number}={}", plain(text));
-        if !line.bytes().all(|b| b > b' ' && b < 0x7F && !b"?~!;()%/".contains(&b))
+        if !line
+            .bytes()
+            .all(|b| b > b' ' && b < 0x7F && !b"?~!;()%/".contains(&b))
             || number > 1
             || line.len() > LINE_CHARS
         {
@@ -175,7 +179,11 @@ impl Restore {
             "$#" => {
                 // $13 may just have been written.
                 let inch = self.written.iter().find(|w| w.0 == 13).map(|w| w.1 == "1");
-                let unit = if inch.unwrap_or(now.known.inches) { 25.4 } else { 1.0 };
+                let unit = if inch.unwrap_or(now.known.inches) {
+                    25.4
+                } else {
+                    1.0
+                };
                 for (system, wanted) in &self.offsets {
                     let name = format!("G{}", 54 + system);
                     let found = heard.replies.iter().find_map(|r| match r {
@@ -185,7 +193,8 @@ impl Restore {
                         _ => None,
                     });
                     let close = |f: [f64; 3]| {
-                        (0..3).all(|i| (f[i] - wanted[i]).abs() <= READ_BACK + wanted[i].abs() * 1e-6)
+                        (0..3)
+                            .all(|i| (f[i] - wanted[i]).abs() <= READ_BACK + wanted[i].abs() * 1e-6)
                     };
                     if !found.is_some_and(close) {
                         let words = |p: [f64; 3]| p.map(number).join(" ");
@@ -197,7 +206,7 @@ impl Restore {
                 for (n, wanted) in &self.startup {
                     let head = format!("$N{n}=");
                     let found = heard.lines.iter().find_map(|l| l.strip_prefix(&head));
-                    if !found.is_some_and(|f| plain(f) == plain(wanted)) {
+                    if found.is_none_or(|f| plain(f) != plain(wanted)) {
                         return wrong(format!("$N{n}"), plain(wanted), found.map(str::to_string));
                     }
                 }

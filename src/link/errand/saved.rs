@@ -110,7 +110,7 @@ impl Saved {
                 _ => saved.hear(line),
             }
         }
-        saved.to_mm();
+        saved.convert_offsets();
         match saved.settings.is_empty() {
             true => Err((1, "no setting in it: write lines like $110=4000, or save one with `morsemill settings save`".to_string())),
             false => Ok(saved),
@@ -120,7 +120,11 @@ impl Saved {
     /// Takes in a line that is no setting: who it is, offsets, start-up lines.
     fn hear(&mut self, line: &str) {
         if let Some((n, text)) = line.strip_prefix("$N").and_then(|t| t.split_once('=')) {
-            if let Some(slot) = n.parse::<usize>().ok().and_then(|n| self.startup.get_mut(n)) {
+            if let Some(slot) = n
+                .parse::<usize>()
+                .ok()
+                .and_then(|n| self.startup.get_mut(n))
+            {
                 *slot = Some(text.trim().to_string());
             }
             return;
@@ -148,7 +152,7 @@ impl Saved {
     }
 
     /// `$#` comes in the unit of `$13`.
-    fn to_mm(&mut self) {
+    fn convert_offsets(&mut self) {
         if self.get(13).and_then(|v| v.parse::<f64>().ok()) == Some(1.0) {
             for (_, values) in &mut self.offsets {
                 *values = values.map(|v| v * 25.4);
@@ -211,7 +215,11 @@ pub struct MovedOffset {
 /// Offsets of the file that the controller has otherwise.
 pub fn moved_offsets(file: &Saved, controller: &Saved) -> Vec<MovedOffset> {
     let found = file.offsets.iter().filter_map(|(name, values)| {
-        let has = controller.offsets.iter().find(|o| o.0 == *name).map(|o| o.1);
+        let has = controller
+            .offsets
+            .iter()
+            .find(|o| o.0 == *name)
+            .map(|o| o.1);
         let same = has.is_some_and(|h| (0..3).all(|i| (h[i] - values[i]).abs() <= READ_BACK));
         (!same).then(|| MovedOffset {
             name: name.clone(),
@@ -311,7 +319,7 @@ impl Task for Save {
                     "the controller told no settings in its answer to $$".to_string(),
                 )),
                 false => {
-                    self.saved.to_mm();
+                    self.saved.convert_offsets();
                     Ok(Step::Done)
                 }
             };
@@ -346,7 +354,10 @@ mod tests {
         assert_eq!(again.settings, saved.settings);
         assert_eq!(again.startup, [Some("G20".to_string()), None]);
         assert_eq!(saved.offsets, [("G54".to_string(), [0.0; 3])]);
-        assert_eq!((saved.firmware, saved.axes), (Some(Firmware::Grbl11), Some(3)));
+        assert_eq!(
+            (saved.firmware, saved.axes),
+            (Some(Firmware::Grbl11), Some(3))
+        );
         let files = crate::machine::settings_file::SettingsFile::read("x", &whole.text()).unwrap();
         assert_eq!(files.get(110), Some(500.0));
     }
@@ -392,7 +403,8 @@ mod tests {
 
     #[test]
     fn offsets_of_a_file_in_inch_are_compared_in_mm() {
-        let inch = Saved::read("$13=1\n[G54:1.0000,0.0000,0.0000]\n[G92:9,9,9]\n; $N1=G54 G20\n").unwrap();
+        let inch =
+            Saved::read("$13=1\n[G54:1.0000,0.0000,0.0000]\n[G92:9,9,9]\n; $N1=G54 G20\n").unwrap();
         let mm = Saved::read("$13=0\n[G54:25.400,0.000,0.000]\n; $N1=g54g21\n").unwrap();
         assert!(moved_offsets(&inch, &mm).is_empty());
         assert_eq!(

@@ -58,7 +58,9 @@ impl Task for Unlock {
 
 /// What may be trusted after the lock, and what may not.
 fn trust(known: &Known) -> String {
-    let meaning = known.alarm.and_then(|code| Some((code, known.firmware.alarm(code)?)));
+    let meaning = known
+        .alarm
+        .and_then(|code| Some((code, known.firmware.alarm(code)?)));
     let mut text = match meaning {
         Some((code, m)) if m.position_kept => format!(
             "unlocked. ALARM:{code} came without a loss of steps: position and work zeros are what they were."
