@@ -15,6 +15,9 @@ use std::time::{Duration, Instant};
 /// Patience with other processes on a busy computer; nothing is measured by it.
 const PATIENCE: Duration = Duration::from_secs(120);
 const BINARY: &str = env!("CARGO_BIN_EXE_morsemill");
+/// Runs what it is given, says so when it has ended, and waits for Enter. Signals are for the program.
+const SHELL: &str =
+    r#"trap : TERM HUP INT; "$@"; code=$?; printf '<left>' >&2; read -r _; exit $code"#;
 
 fn mill(speed: f64) -> Tcp {
     serve(controller(), speed)
@@ -72,9 +75,10 @@ impl Desk {
         // A login's settings and a window.
         stty(&tty, &["sane", "cols", "100", "rows", "24"]);
         let modes = stty(&tty, &["-g"]);
-        // Its own session with this terminal, as a shell would start it.
+        // Its own session with this terminal. A shell keeps it open until everything was read: with its session a terminal loses what
+        // nobody has read yet.
         let child = Command::new("setsid")
-            .args(["--ctty", BINARY])
+            .args(["--ctty", "sh", "-c", SHELL, "sh", BINARY])
             .args(args)
             .env("NO_COLOR", "1")
             .env("TERM", "xterm")
@@ -148,10 +152,10 @@ impl Desk {
     }
 
     fn signal(&self, name: &str) {
-        let pid = self.child.id().to_string();
+        let group = format!("-{}", self.child.id());
         assert!(
             Command::new("kill")
-                .args([name, &pid])
+                .args([name, "--", &group])
                 .status()
                 .unwrap()
                 .success()
@@ -160,21 +164,7 @@ impl Desk {
 
     /// Waits for the end: exit code and standard output. The terminal must be as it was, whatever happened.
     fn end(mut self) -> (i32, String) {
-        let start = Instant::now();
-        let code = loop {
-            if let Some(status) = self.child.try_wait().unwrap() {
-                break status.code().unwrap();
-            }
-            assert!(
-                start.elapsed() < PATIENCE,
-                "{}",
-                String::from_utf8_lossy(&self.seen)
-            );
-            self.look();
-        };
-        for _ in 0..5 {
-            self.look();
-        }
+        self.until("<left>");
         let seen = String::from_utf8_lossy(&self.seen).into_owned();
         assert_eq!(
             stty(&self.tty, &["-g"]),
@@ -194,10 +184,11 @@ impl Desk {
             !seen.split("\x1b[").skip(1).any(last_letter),
             "no colour where NO_COLOR is set: {seen:?}"
         );
+        self.press("\n");
         let mut out = String::new();
         let mut pipe = self.child.stdout.take().unwrap();
         pipe.read_to_string(&mut out).unwrap();
-        (code, out)
+        (self.child.wait().unwrap().code().unwrap(), out)
     }
 }
 
