@@ -188,10 +188,11 @@ pub fn run(args: &ConsoleArgs) -> Result<ExitCode, Failure> {
                     say(&format!("note: {text}"));
                 }
                 News::Stopping(text) => say(text),
+                // Told below, unless it is to be shown as it came.
+                News::Said(_, reply) if matches!(**reply, Reply::Status(_)) && !args.raw => {}
                 News::Said(line, reply) if matches!(**reply, Reply::Status(_)) => {
-                    if args.raw && std::mem::take(&mut wants_report) {
-                        show(line);
-                    }
+                    let wanted = std::mem::take(&mut wants_report);
+                    wanted.then(|| show(line));
                 }
                 News::Said(line, reply) if !line.is_empty() => {
                     troubles += usize::from(matches!(**reply, Reply::Error(_) | Reply::Alarm(_)));

@@ -3,8 +3,9 @@
 
 use morsemill::controller::{Controller, Memory, Pins, Switches};
 use morsemill::link::errand::{
-    Console, Errand, ErrandError, ErrandOptions, GoTo, Home, Jog, JogMove, News, Probe,
-    ProbeOptions, Reach, Restore, Retract, Save, Task, Unlock, Verdict, Zero, differences, judge,
+    Console, Down, Errand, ErrandError, ErrandOptions, GoTo, Home, Jog, JogMove, News, Probe,
+    ProbeOptions, Reach, Restore, Retract, Rise, Save, Task, ToolLength, Unlock, Verdict, Zero,
+    differences, judge,
 };
 use proptest::prelude::*;
 use std::collections::VecDeque;
@@ -474,6 +475,170 @@ fn the_way_to_zero_goes_up_first_and_down_last() {
         .run(20)
         .unwrap_err();
     assert!(e.to_string().contains("known only when it is homed"), "{e}");
+}
+
+#[test]
+fn the_way_to_zero_crosses_at_the_top_of_a_homed_machine() {
+    let mut m = homing_memory();
+    m.set(20, 1.0);
+    let mut b = Bench::new(Unlock::default(), mill(m));
+    b.run(20).unwrap();
+    let down = vec![jog([Some(-30.0), None, Some(-40.0)], 3000.0)];
+    let mut b = Bench::new(Jog::new(down), b.mill);
+    b.run(30).unwrap();
+    let mut b = Bench::new(Rise::new(Retract::TopOr(-100.0)), b.mill);
+    b.run(30).unwrap();
+    // One pull-off below the switch.
+    assert_eq!(b.mill.position().z, -1.0);
+    assert!((b.errand.task.by - 39.0).abs() < 0.002);
+    let mut b = Bench::new(Rise::new(Retract::MachineTop), b.mill);
+    b.run(30).unwrap();
+    assert_eq!(b.errand.task.by, 0.0);
+    assert!(!b.said().contains("G0Z"), "it is there already");
+    let place = GoTo::place(
+        Retract::MachineTop,
+        [-50.0, -10.0, -20.0],
+        Down::Feed(900.0),
+    );
+    let mut b = Bench::new(place, b.mill);
+    b.run(60).unwrap();
+    assert!(b.said().contains("G1Z-20F900\n"), "{}", b.said());
+    assert_eq!(b.errand.task.position, Some([-50.0, -10.0, -20.0]));
+    let e = Bench::new(GoTo::above(Retract::MachineTop, [5.0, 0.0]), b.mill)
+        .run(20)
+        .unwrap_err();
+    assert!(
+        e.to_string()
+            .starts_with("X would go to 5 mm in machine coordinates"),
+        "{e}"
+    );
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 24, .. ProptestConfig::default() })]
+    /// Whatever offsets there are and whichever is active: each that was set moves by the difference, in Z alone, but for the one that is
+    /// right already; one that was never set stays.
+    #[test]
+    fn a_tools_length_moves_every_work_offset(
+        z in proptest::collection::vec(proptest::option::of(-60.0f64..60.0), 6), active in 0usize..6, but in proptest::option::of(0usize..6), by in -40.0f64..40.0,
+    ) {
+        let mut controller = mill(memory());
+        for (i, z) in z.iter().enumerate() {
+            if let Some(z) = z {
+                controller.feed(format!("G10L2P{}X1Z{z:.3}\n", i + 1).as_bytes());
+            }
+        }
+        controller.feed(format!("G{}\n", 54 + active).as_bytes());
+        controller.advance(1.0);
+        controller.output();
+        let by = (by * 1e3).round() / 1e3;
+        let mut b = Bench::new(ToolLength::new(by, but), controller);
+        b.run(60).unwrap();
+        b.mill.feed(b"$#\n");
+        b.mill.advance(0.1);
+        let told = String::from_utf8(b.mill.output()).unwrap();
+        for (i, was) in z.iter().enumerate() {
+            let head = format!("[G{}:", 54 + i);
+            let line = told.lines().find_map(|l| l.strip_prefix(&head)).unwrap();
+            let now: Vec<f64> = line.trim_end_matches(']').split(',').map(|v| v.parse().unwrap()).collect();
+            let old = was.map_or(0.0, |z| (z * 1e3).round() / 1e3);
+            let moved = by.abs() >= 0.0005 && but != Some(i) && (was.is_some() || i == active);
+            let wanted = if moved { old + by } else { old };
+            prop_assert!((now[2] - wanted).abs() < 0.002, "G{}: {} {}\n{}", 54 + i, now[2], wanted, told);
+            prop_assert_eq!(now[0], if was.is_some() { 1.0 } else { 0.0 });
+            prop_assert_eq!(b.errand.task.moved.iter().any(|m| m.0 == i), moved);
+        }
+    }
+
+    /// A held key: whatever is pressed how often, no more is queued than one step ahead, and a cancel leaves nothing behind.
+    #[test]
+    fn a_held_jog_key_is_never_more_than_two_steps_ahead(step in 0.1f64..10.0, feed in 200u32..3000, presses in 1usize..30) {
+        let one = || jog([Some(step), None, None], f64::from(feed));
+        let mut b = Bench::new(Jog::new(vec![one()]), mill(memory()));
+        for _ in 0..presses {
+            b.errand.task.push(one());
+            let lines = b.said().matches("$J").count() as f64;
+            let ahead = lines * step - b.mill.position().x;
+            prop_assert!(ahead <= 2.0 * step + 0.02, "{} {}", ahead, step);
+            for _ in 0..90 {
+                b.tick();
+            }
+        }
+        if b.errand.result().is_none() {
+            b.errand.cancel(Duration::from_millis(b.now));
+            b.run(30).ok();
+        }
+        let p = b.mill.position();
+        for _ in 0..1500 {
+            b.tick();
+        }
+        prop_assert_eq!(p, b.mill.position());
+    }
+}
+
+#[test]
+fn a_second_touch_never_goes_below_the_distance_told() {
+    // The plate lies a tenth above the end of the way, and the second touch would look 2 mm below it.
+    let mut b = Bench::new(
+        Probe::new(ProbeOptions {
+            distance: 5.1,
+            ..ProbeOptions::default()
+        }),
+        plate(),
+    );
+    b.run(120).unwrap();
+    let down: Vec<f64> = b
+        .said()
+        .lines()
+        .filter_map(|l| l.split_once("G38.2Z")?.1.split('F').next()?.parse().ok())
+        .collect();
+    assert_eq!(down, [-5.1, -5.1]);
+}
+
+#[test]
+fn a_jog_says_what_nobody_checks() {
+    let mut b = Bench::new(
+        Jog::new(vec![jog([Some(1.0), None, None], 9000.0)]),
+        mill(memory()),
+    );
+    b.run(20).unwrap();
+    assert_eq!(
+        b.notes(),
+        "the machine is not known to be homed: nothing checks whether it can go as far\n9000 mm/min is more than the axes do ($110 to $112): it goes at 3000 mm/min at most"
+    );
+}
+
+#[test]
+fn offsets_and_start_up_lines_are_restored_and_read_back() {
+    let mut task = Restore::new(vec![(110, "2500".into())]);
+    task.offsets = vec![(0, [1.5, -2.25, -30.0]), (5, [0.0, 0.0, 4.125])];
+    task.startup = vec![(1, "g21 g54".into())];
+    let mut b = Bench::new(task, mill(memory()));
+    b.run(30).unwrap();
+    assert_eq!(
+        b.errand.task.besides,
+        [
+            "G21G10L2P1X1.5Y-2.25Z-30",
+            "G21G10L2P6X0Y0Z4.125",
+            "$N1=G21G54"
+        ]
+    );
+    let mut b = Bench::new(Save::default(), b.mill);
+    b.run(20).unwrap();
+    let saved = &b.errand.task.saved;
+    assert_eq!(saved.offsets[0], ("G54".to_string(), [1.5, -2.25, -30.0]));
+    assert_eq!(saved.startup[1].as_deref(), Some("G21G54"));
+    let mut task = Restore::new(Vec::new());
+    task.startup = vec![(0, "G0X10".into())];
+    let mut b = Bench::new(task, b.mill);
+    let e = b.run(20).unwrap_err();
+    assert!(
+        e.to_string().starts_with(
+            "start-up line $N0: it moves the machine, and the controller runs it at once"
+        ),
+        "{e}"
+    );
+    assert!(!b.said().contains("$N0="));
 }
 
 #[test]

@@ -34,6 +34,7 @@ mod looks;
 mod machines;
 mod recordings;
 mod resume;
+mod screen;
 mod settings;
 
 mod own_files;

@@ -36,7 +36,7 @@ pub struct Changer {
     pub gauge: Gauge,
     /// Lowest and highest work Z of the program, mm.
     pub range: Option<[f64; 2]>,
-    /// The measured difference needs no second word.
+    /// The difference that a sensor measured needs no second word.
     pub yes: bool,
     /// Machine Z at which the tool in the spindle touched the sensor, mm.
     pub reference: Option<f64>,
@@ -46,7 +46,7 @@ pub struct Changer {
 #[derive(Debug)]
 pub enum Changed {
     /// The program goes on with these offsets; `None`: as they were.
-    GoOn(Option<Offsets>),
+    GoOn(Option<Box<Offsets>>),
     /// The operator ends the job.
     Stop,
     /// The job cannot go on, and why.
@@ -155,7 +155,9 @@ impl Changer {
             let told = self.told(by, change, &known);
             let same = shown.is_some_and(|s| (s - by).abs() < NO_DIFFERENCE);
             let unattended = !listener.has_keys() && change.measured.is_none();
-            if same || self.yes || unattended {
+            // A plate has to be taken away first, whatever was said before.
+            let yes = self.yes && !matches!(self.gauge, Gauge::Plate(_));
+            if same || yes || unattended {
                 if !same {
                     listener.note(&told);
                 }
@@ -198,6 +200,9 @@ impl Changer {
                 if by > 0.0 { "longer" } else { "shorter" }
             ),
         };
+        if matches!(self.gauge, Gauge::Plate(_)) && change.measured.is_some() {
+            text += ". Take the plate and its clip away";
+        }
         if let Some(left) = change.left.filter(|_| change.lifted > 0.0) {
             text += &format!(
                 ". Then over X{:.3} Y{:.3} and down to Z{:.3}, where the program left off, with the spindle off",
@@ -278,7 +283,7 @@ impl Changer {
         }
         let changed =
             by.abs() >= NO_DIFFERENCE || now.known.offsets.g5x != change.before.offsets.g5x;
-        Changed::GoOn(changed.then(|| Offsets::of(&now.known.offsets)))
+        Changed::GoOn(changed.then(|| Box::new(Offsets::of(&now.known.offsets))))
     }
 
     /// Measures the new tool; `false`: it did not work, and the operator may try again.

@@ -143,7 +143,7 @@ impl Crank<'_> {
         match changed {
             Changed::GoOn(offsets) => {
                 if let Some(journal) = &mut self.journal {
-                    journal.keeper.tool_changed(offsets, now);
+                    journal.keeper.tool_changed(offsets.map(|o| *o), now);
                 }
                 self.session.command(Command::Resume, now);
             }

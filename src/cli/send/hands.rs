@@ -269,7 +269,7 @@ impl Hands<'_> {
             known.clone(),
             self.start.elapsed(),
         );
-        let mut presses = 0;
+        let (mut presses, mut finer, mut coarser) = (0, 0, 0);
         let done = self.perform(errand, listener, &mut |errand, press, now| match press {
             // A held key repeats: the same way goes on, one step ahead at most.
             Press::Hand(Hand::Jog { axis: a, plus: p }) if (a, p) == (axis, plus) => {
@@ -282,8 +282,13 @@ impl Hands<'_> {
                     _ => errand.reset_now(now),
                 }
             }
+            Press::Hand(Hand::Finer) => finer += 1,
+            Press::Hand(Hand::Coarser) => coarser += 1,
             _ => errand.cancel(now),
         });
+        self.step = (self.step + coarser)
+            .saturating_sub(finer)
+            .min(STEPS.len() - 1);
         *known = done.known;
         done.result
     }

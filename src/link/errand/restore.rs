@@ -206,7 +206,7 @@ impl Restore {
                 for (n, wanted) in &self.startup {
                     let head = format!("$N{n}=");
                     let found = heard.lines.iter().find_map(|l| l.strip_prefix(&head));
-                    if !found.is_some_and(|f| plain(f) == plain(wanted)) {
+                    if found.is_none_or(|f| plain(f) != plain(wanted)) {
                         return wrong(format!("$N{n}"), plain(wanted), found.map(str::to_string));
                     }
                 }

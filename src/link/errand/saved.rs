@@ -110,7 +110,7 @@ impl Saved {
                 _ => saved.hear(line),
             }
         }
-        saved.to_mm();
+        saved.convert_offsets();
         match saved.settings.is_empty() {
             true => Err((1, "no setting in it: write lines like $110=4000, or save one with `morsemill settings save`".to_string())),
             false => Ok(saved),
@@ -152,7 +152,7 @@ impl Saved {
     }
 
     /// `$#` comes in the unit of `$13`.
-    fn to_mm(&mut self) {
+    fn convert_offsets(&mut self) {
         if self.get(13).and_then(|v| v.parse::<f64>().ok()) == Some(1.0) {
             for (_, values) in &mut self.offsets {
                 *values = values.map(|v| v * 25.4);
@@ -319,7 +319,7 @@ impl Task for Save {
                     "the controller told no settings in its answer to $$".to_string(),
                 )),
                 false => {
-                    self.saved.to_mm();
+                    self.saved.convert_offsets();
                     Ok(Step::Done)
                 }
             };

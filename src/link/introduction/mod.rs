@@ -88,6 +88,10 @@ fn busy(state: &State) -> String {
             "the controller is in check mode, where nothing moves: send $C to leave it".to_string()
         }
         State::Sleep => "the controller is asleep: reset it".to_string(),
+        State::Hold { .. } | State::Door(_) => format!(
+            "the controller is not idle but says {}: let it go on with ~, or end what it was doing with reset, both in `morsemill console`",
+            state.text()
+        ),
         // grblHAL's own tool change: lines are taken, jogs and probes too, until it is acknowledged.
         State::Other(text) if text == "Tool" => {
             "the controller waits in a tool change of its own (state Tool): finish it and go on with ~ in `morsemill console`, or reset it. \
