@@ -10,8 +10,8 @@ use super::mill::StockArg;
 use super::output::say;
 use super::send::pace;
 use crate::controller::{
-    Build, Controller, FaultPlan, Faults, Guests, Memory, News, Opening, Pace, Profile, Pty,
-    Quirks, Readout, Rig, RigOptions, Script, Switches, Tcp,
+    Build, Controller, FaultPlan, Faults, Guests, Memory, News, Opening, Pace, PartPlace, Profile,
+    Pty, Quirks, Readout, Rig, RigOptions, Script, Switches, Tcp,
 };
 use crate::machine::{Machine, SettingsFile};
 use rehearse::Bench;
@@ -90,7 +90,8 @@ pub struct ControllerArgs {
     /// What stands before a program's first move: allowance:MM over the finished surface, or block (up to the part's top)
     #[arg(long, default_value = "allowance:0.5", value_parser = parse::<StockArg>, value_name = "STOCK")]
     pub stock: StockArg,
-    /// Where the part's zero (G54) is, machine coordinates; with --part half way of each axis if left out
+    /// Where the part's zero (G54) is, machine coordinates. The part stays there: a sender that zeroes elsewhere crashes. Left out with
+    /// --part, it lies half way of each axis, and then wherever the sender zeroes
     #[arg(long, value_name = "X,Y,Z", value_parser = place, allow_hyphen_values = true)]
     pub work_zero: Option<[f64; 3]>,
     /// Replay recordings of a real controller (JSON lines) and print each with what the simulated one answers
@@ -225,7 +226,7 @@ fn serve(args: &ControllerArgs, out: &mut dyn Write, stop: &AtomicBool) -> Resul
             faults.seed()
         ));
     }
-    let rig = Rig::new(
+    let mut rig = Rig::new(
         controller,
         RigOptions {
             faults,
@@ -233,6 +234,9 @@ fn serve(args: &ControllerArgs, out: &mut dyn Write, stop: &AtomicBool) -> Resul
             record: bench.is_some(),
         },
     );
+    if args.work_zero.is_some() {
+        rig.lay_part(PartPlace::Fixed);
+    }
     let (sender, news) = mpsc::channel();
     let (serving, name) = match &args.tcp {
         None => {

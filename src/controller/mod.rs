@@ -57,7 +57,7 @@ pub use front::{Front, News, Opening, Pace, Readout};
 pub use pins::{Pins, Switches};
 pub use profile::{Profile, Quirks};
 pub use pty::{Pty, PtyError};
-pub use rehearsal::{Drive, Driven};
+pub use rehearsal::{Drive, Driven, PartPlace};
 pub use rig::{Rig, RigOptions};
 pub use script::Script;
 pub use settings::Memory;

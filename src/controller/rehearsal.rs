@@ -35,6 +35,16 @@ pub struct Drive {
     pub cut_short: bool,
 }
 
+/// Where the part lies on the table.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PartPlace {
+    /// Where the operator says: zeroing (G10, G92) moves it there.
+    #[default]
+    Zeroed,
+    /// Where work zero was at the start. A zero set elsewhere is a wrong one, and what is driven by it shows as the crash it would be.
+    Fixed,
+}
+
 /// Pieces kept at most (about 800 MB): a longer way is cut short, and says so.
 const MOST_PIECES: usize = 10_000_000;
 /// A place as near to the straight line as this goes on with it, mm: far below a step.
@@ -52,6 +62,9 @@ pub struct Recorder {
     offset: Vector,
     /// Where the part's zero is on the table: the true machine position.
     zero: Vector,
+    /// The tool's length at the last look: what the program says of it is believed.
+    tool: f64,
+    pub(super) part: PartPlace,
     homing: bool,
     at: f64,
 }
@@ -66,6 +79,8 @@ impl Recorder {
             shift: Vector::zeros(),
             offset,
             zero: offset,
+            tool: controller.parser.tlo,
+            part: PartPlace::default(),
             homing: false,
             at: 0.0,
         }
@@ -91,11 +106,15 @@ impl Recorder {
             });
         }
         (self.last, self.homing) = (place, homing);
-        // The operator zeroed: the part is where he says.
         let offset = Vector::from(controller.offset);
         if offset != self.offset {
             self.offset = offset;
-            self.zero = offset + self.shift;
+            let tool = std::mem::replace(&mut self.tool, controller.parser.tlo);
+            match self.part {
+                // The operator zeroed: the part is where he says.
+                PartPlace::Zeroed => self.zero = offset + self.shift,
+                PartPlace::Fixed => self.zero.z += self.tool - tool,
+            }
         }
     }
 
@@ -106,6 +125,7 @@ impl Recorder {
         self.homing = false;
         // A restart drops G92 and tool lengths, but moves no part.
         self.offset = Vector::from(controller.offset);
+        self.tool = controller.parser.tlo;
     }
 
     /// The way so far; the next one begins here.
@@ -214,6 +234,26 @@ mod tests {
         let drive = r.take_drive();
         assert_eq!(drive.pieces[0].from, Point::new(50.0, 40.0, 10.0));
         assert_eq!(ends(&drive)[0].0, "1.000 2.000 10.000");
+    }
+
+    #[test]
+    fn a_part_that_lies_where_it_lies_is_not_moved_by_a_wrong_zero() {
+        let mut r = rig();
+        r.lay_part(PartPlace::Fixed);
+        // Its zero is machine zero. The operator says it is 5 mm lower, and one to the right.
+        r.feed(b"G10L2P1X1Z-5\n");
+        r.advance(0.1);
+        r.feed(b"G0X1Y2Z0\n");
+        r.advance(20.0);
+        assert_eq!(
+            ends(&r.take_drive()).last().unwrap().0,
+            "2.000 2.000 -5.000"
+        );
+        // A longer tool is as long as the program says: its tip goes where it is sent.
+        r.feed(b"G10L2P1X0Z0\nG43.1Z3\nG0Z1\n");
+        r.advance(20.0);
+        assert_eq!(r.controller().position().z, 4.0);
+        assert_eq!(ends(&r.take_drive()).last().unwrap().0, "2.000 2.000 1.000");
     }
 
     #[test]

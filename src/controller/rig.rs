@@ -6,7 +6,7 @@
 use super::fault::{Faults, Side};
 use super::fault_plan::Deed;
 use super::intake::Intake;
-use super::rehearsal::{Drive, Recorder};
+use super::rehearsal::{Drive, PartPlace, Recorder};
 use super::script::Script;
 use super::{Controller, Memory, Pins, SAME_MOMENT};
 use crate::wire::{Lines, Reply};
@@ -177,6 +177,13 @@ impl Rig {
     /// Ends of programs (M2, M30) so far.
     pub fn programs_ended(&self) -> usize {
         self.programs_ended
+    }
+
+    /// Says where the part lies that the way is noted over.
+    pub fn lay_part(&mut self, part: PartPlace) {
+        if let Some(recorder) = &mut self.recorder {
+            recorder.part = part;
+        }
     }
 
     /// The way driven since the last call. Empty without [`RigOptions::record`].
