@@ -1,4 +1,4 @@
-$$ 9:1 TOOLNO/5 on line 8 names another tool than the one in the spindle, and no LOADTL/5 puts it in before this move: write LOADTL/5
+$$ 9:6 TOOLNO/5 on line 8 names another tool than the one in the spindle, and no LOADTL/5 puts it in before this move: write LOADTL/5
 UNITS/MM
 LOADTL/4
 SPINDL/5000,RPM,CLW
