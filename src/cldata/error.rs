@@ -146,6 +146,16 @@ pub enum ClProblem {
         /// Line of the LOADTL.
         line: usize,
     },
+    /// TOOLNO alone is a change of tools to some and none to others.
+    #[error(
+        "TOOLNO/{number} on line {line} names another tool than the one in the spindle, and no LOADTL/{number} puts it in before this move: write LOADTL/{number}"
+    )]
+    ToolNotLoaded {
+        /// The tool.
+        number: u32,
+        /// Line of the TOOLNO.
+        line: usize,
+    },
     /// The spindle is started with no speed.
     #[error("the spindle is to start and its speed was never told: write SPINDL/RPM,n,CLW")]
     SpeedUnknown,

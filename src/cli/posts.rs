@@ -404,6 +404,30 @@ mod tests {
             e.contains("cw = \"M30\": M2 and M30 belong to the last lines"),
             "{e}"
         );
+        // Figures and words that fit together, but not the controller: only its reader knows.
+        let back = "mine.toml: a small program written with it does not say to grbl what was meant, so the words of this post are wrong for it: ";
+        for (from, to, why) in [
+            (
+                "G4 P{seconds}",
+                "G4 P{milliseconds}",
+                "line 7 (\"G4 P2000\"): it is given 2000 s to reach its speed, and 2 s were meant",
+            ),
+            ("[\"M8\"]", "[\"M7\"]", "line 8:1 M7 is not a command of"),
+            (
+                "\"G54\", \"G55\"",
+                "\"G55\", \"G54\"",
+                "work coordinate system 1 holds, and 2 was meant",
+            ),
+            ("G94 G54\"]", "G94 G54 G64\"]", "G64 is not a command of"),
+            (
+                "[modal]",
+                "[tool]\nchange = [\"T{tool} M6\"]\nmost = 9\n\n[modal]",
+                "line 5:4 M6 is not a command of",
+            ),
+        ] {
+            let e = judge(&[(from, to)]);
+            assert!(e.starts_with(back) && e.contains(why), "{e}");
+        }
         let (code, e) = words(check(&dir.path().join("none.toml")).unwrap_err());
         assert!(code == 2 && e.contains("cannot be read as a post"), "{e}");
     }

@@ -192,7 +192,7 @@ pub(super) fn check(state: &State, block: &Block, line: Line) -> Result<Plan, Fa
     };
     // No tool was ever named: which one the machine would put in is not known.
     if block.tool_change && rules.tool_named && !block.has(b'T') && state.tool == 0 {
-        let (command, word) = ("M6", "T (which tool), in its line or before it: the");
+        let (command, word) = ("M6", "T (which tool; here or on a line before)");
         return at_group(Group::ToolChange, Complaint::ValueMissing { command, word });
     }
     let dwell = waits.map(|(_, time)| Seconds(time));

@@ -65,7 +65,7 @@ fn stray(found: char) -> &'static str {
         '/' => "a slash that skips the line stands at its very front; move or remove it",
         '$' => "lines of $ are for the console and not for programs; remove the line",
         '?' | '!' | '~' => "it is for the console and not for programs; remove it",
-        '{' => "JSON is for the console and not for programs; keep the G-code in it alone",
+        '{' => "braces (JSON, expressions) are not read; keep the plain G-code alone",
         '#' => "variables are not read in this dialect; write the numbers",
         '[' => "expressions are not read in this dialect; write the numbers",
         _ => "remove it",

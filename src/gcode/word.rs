@@ -313,12 +313,18 @@ mod tests {
     fn a_decimal_comma_is_called_by_its_name() {
         for dialect in [Dialect::Grbl, Dialect::LinuxCnc] {
             assert_eq!(all("G1 X1,5", dialect), Err(Complaint::DecimalComma));
-            for other in ["X1,", "X1,R2", "X1.,5", ",5"] {
+            for other in ["X1,", "X1,S2", "X1.,5", ",5"] {
                 let found = ',';
                 let other = all(other, dialect);
                 assert_eq!(other, Err(Complaint::ExpectedLetter { found }));
             }
         }
+        // GRBL answers by number, and this one it does not know.
+        let (found, letter) = (',', 'R');
+        let stray = Err(Complaint::ExpectedLetter { found });
+        assert_eq!(all("X1,R2", Dialect::Grbl), stray);
+        let corner = RuleComplaint::CommaWord { letter };
+        assert_eq!(all("X1,r2", Dialect::Fanuc), Err(corner.into()));
     }
 
     #[test]

@@ -121,7 +121,7 @@ fn catches_every_lie() {
         (
             "G4 P2.5\n",
             "\n",
-            "is given None s to reach its speed, and 2.5 were meant",
+            "is given no time to reach its speed, and 2.5 s were meant",
         ),
         ("M8\n", "\n", "flood and mist stay as they are"),
         ("G0 Z5\n", "\n", "no motion, where a Rapid to Z5 was meant"),

@@ -323,7 +323,8 @@ impl<R: BufRead + Seek> Witness<R> {
             }
             None if meant.0 <= 0.5 * unit => Ok(()),
             _ => {
-                let text = format!("it is given {found:?} s {what}, and {} were meant", meant.0);
+                let found = found.map_or("no time".to_string(), |t| format!("{t} s"));
+                let text = format!("it is given {found} {what}, and {} s were meant", meant.0);
                 Err(self.differs(line, text))
             }
         }

@@ -121,6 +121,10 @@ struct State {
     stopped: Option<usize>,
     /// The tool change after which nothing moved yet.
     changed: Option<usize>,
+    /// The tool that TOOLNO names and no LOADTL has put in, and its line.
+    named_tool: Option<(u32, usize)>,
+    /// The tool that LOADTL put in last.
+    tool: Option<u32>,
     /// Height of the clearance plane, mm.
     clearance: Option<f64>,
     arc: Option<arcs::Open>,
@@ -165,6 +169,8 @@ impl<R: BufRead> Reader<R> {
                 direction: 0,
                 stopped: None,
                 changed: None,
+                named_tool: None,
+                tool: None,
                 clearance: None,
                 arc: None,
                 along: None,
@@ -296,12 +302,20 @@ fn head(text: &[u8]) -> Result<Head, Fault> {
 
 /// The complaint about a word nobody knows.
 fn unknown(text: &[u8]) -> Fault {
-    let end = text.iter().position(|b| matches!(b, b'/' | b' ' | b'\t'));
-    let word = upper(text.get(..end.unwrap_or(text.len())).unwrap_or_default());
+    let blank = |b: &u8| matches!(b, b' ' | b'\t');
+    let first = text.iter().position(|b| *b == b'/' || blank(b));
+    let mut word = upper(text.get(..first.unwrap_or(text.len())).unwrap_or_default());
+    let mut close = nearest(&word, words::known());
+    if close.as_ref() == Some(&word) {
+        // A known word and another behind it: a line too much was joined to it, or its slash is missing.
+        let all = text.split(|b| *b == b'/').next().unwrap_or_default();
+        let all = all.get(..all.len().min(40)).unwrap_or(all);
+        (word, close) = (upper(all.trim_ascii()), None);
+    }
     (
         0,
         ClProblem::UnknownWord {
-            nearest: nearest(&word, words::known()),
+            nearest: close,
             word,
         },
     )
@@ -396,6 +410,7 @@ impl State {
             b"TLON,GOFWD" => self.tlon(args("TLON,GOFWD")),
             b"SPINDL" => self.spindle(args("SPINDL")),
             b"COOLNT" => self.coolant(args("COOLNT")),
+            b"TOOLNO" => self.name_tool(args("TOOLNO")),
             b"LOADTL" | b"LOAD" => self.load(args("LOADTL")),
             b"DELAY" | b"DWELL" => self.delay(args("DELAY")),
             b"STOP" => self.pause(args("STOP"), false),

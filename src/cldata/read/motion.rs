@@ -107,6 +107,7 @@ impl State {
 
     /// Straight to a place, in the manner that holds.
     pub(super) fn go(&mut self, to: Point) -> Result<(), ClProblem> {
+        self.tool_is_in()?;
         if self.manner == Manner::Rapid {
             self.manner = Manner::Feed;
             self.push(Step::Rapid {
@@ -130,6 +131,14 @@ impl State {
         Ok(())
     }
 
+    /// Refuses to move behind a TOOLNO that no LOADTL followed.
+    fn tool_is_in(&self) -> Result<(), ClProblem> {
+        match self.named_tool {
+            Some((number, line)) => Err(ClProblem::ToolNotLoaded { number, line }),
+            None => Ok(()),
+        }
+    }
+
     /// The tool is there now.
     pub(super) fn arrive(&mut self, to: Point) {
         self.at = Some(to);
@@ -139,6 +148,7 @@ impl State {
 
     /// The feed of a cut that begins here; one that a RAPID with feed gave is used up by it.
     pub(super) fn feed_now(&mut self) -> Result<MmPerMin, ClProblem> {
+        self.tool_is_in()?;
         if let Some(line) = self.stopped {
             return Err(ClProblem::SpindleStopped { line });
         }

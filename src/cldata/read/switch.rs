@@ -169,7 +169,26 @@ impl State {
         }
         self.direction = 0;
         self.changed = Some(self.line);
+        (self.tool, self.named_tool) = (Some(v as u32), None);
         self.push(Step::Tool { number: v as u32 });
+        Ok(())
+    }
+
+    /// `TOOLNO/n,...`: describes a tool, as CATIA writes it in front of LOADTL. Some processors change the tool by it, so a motion behind it
+    /// with another tool in the spindle is refused.
+    pub(super) fn name_tool(&mut self, mut args: Args) -> Result<(), Fault> {
+        let (at, v) = match args.next()? {
+            Some((at, Value::Number(v))) => (at, v),
+            Some((at, Value::Word(w))) => return Err(args.minor(at, w, "a tool number")),
+            _ => return Err(args.unexpected("a tool number")),
+        };
+        if v.fract() != 0.0 || !(0.0..=f64::from(u32::MAX)).contains(&v) {
+            return Err(args.value(at, v, "is no tool number: write a whole number"));
+        }
+        while args.next()?.is_some() {}
+        self.note(NoteKind::Harmless("TOOLNO"));
+        let number = v as u32;
+        self.named_tool = (self.tool != Some(number)).then_some((number, self.line));
         Ok(())
     }
 

@@ -4,12 +4,12 @@
 //! switching and no stop of a program for three axes.
 
 /// Statements that are read.
-pub(super) const READ: [&str; 43] = [
+pub(super) const READ: [&str; 44] = [
     "GOTO", "GODLTA", "FROM", "RAPID", "FEDRAT", "SPINDL", "COOLNT", "LOADTL", "LOAD", "TLDATA",
     "CUTTER", "CIRCLE", "MOVARC", "INDIRV", "INDIRP", "TLON", "UNITS", "MULTAX", "TLAXIS", "MODE",
     "PPRINT", "PARTNO", "REMARK", "TPRINT", "MACHIN", "DELAY", "DWELL", "STOP", "OPSTOP", "END",
     "FINI", "ORIGIN", "TRANS", "TRACUT", "AUXFUN", "CUTCOM", "CYCLE", "CLEARP", "RETRCT", "GOHOME",
-    "MSYS", "OPSKIP", "REWIND",
+    "MSYS", "OPSKIP", "REWIND", "TOOLNO",
 ];
 
 /// Harmless words: passed over with a note.

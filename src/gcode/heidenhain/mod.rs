@@ -6,7 +6,7 @@
 //! | read | refused by name |
 //! |---|---|
 //! | BEGIN PGM, END PGM, BLK FORM, TOOL CALL, TOOL DEF, STOP, comments, structure lines | `/`, other tool axes, DL DR |
-//! | L, CC, C, CR, CT, LP, CP (helices); I coordinates; R0; F, FMAX, F AUTO | RL RR, APPR DEP, RND CHF, CTP, FL.., FU FZ, rotary axes |
+//! | L, CC, C, CR, CT, LP, CP (helices); I coordinates; R0; F, FMAX, F AUTO | RL RR, APPR DEP, RND CHF, CTP, C CR CT with Z and one of X Y, FL.., FU FZ, rotary axes |
 //! | M0-M6 M8 M9 M13 M14 M30 M89 M91 M99 M126 M127 M129 | M92 M97 M109 M128 M140 and all others |
 //! | CYCL DEF 7 (values), 9, 32, 200, 201, 247; CYCL CALL; TRANS DATUM AXIS, RESET | all other cycles, datum tables |
 //! | FN 0-13, formulas, Q0-Q99 and Q200 up | QL QR QS, Q100-Q199, FN 14 up |

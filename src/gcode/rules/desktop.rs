@@ -30,6 +30,9 @@ const MODES: &[Entry] = &[
     ),
 ];
 
+const NO_PROGRAMS: &str =
+    "subprograms are called by GOSUB here, which is not read; write their moves out";
+
 pub(super) static EDING: Rules = Rules {
     title: "EdingCNC",
     source: "EDINGCNC Manual, chapter G-code (interpreter after NIST RS-274)",
@@ -62,7 +65,13 @@ pub(super) static EDING: Rules = Rules {
             (800, Refused("lathe radii; this is a mill")),
         ],
     ],
-    m: &[M_BASE, M_TOOLED, M_OVERRIDES, M_PALLET],
+    m: &[
+        M_BASE,
+        M_TOOLED,
+        M_OVERRIDES,
+        M_PALLET,
+        &[(9800, Refused(NO_PROGRAMS)), (9900, Refused(NO_PROGRAMS))],
+    ],
     tool_limit: 99,
     blend_words: Letters::of(b"PQ"),
     offsets: 9,

@@ -102,7 +102,7 @@ pub(super) static MACH4: Rules = Rules {
     title: "Mach4 Mill",
     source: "Mach4 CNC Controller Mill G-Code Reference Manual (Newfangled Solutions)",
     assumed: &[
-        "G4 P is in seconds (General tab: G04 dwell)",
+        "G4 P is in seconds (General tab: G04 dwell), P of drilling cycles in milliseconds",
         "arc centres are incremental until G90.1",
         "G73 and G83 back off by 1 mm",
         "G28 and G30 go to machine zero",

@@ -1,125 +1,34 @@
-//! Runs whole programs of the two languages for their tests, without the streaming that `program` does, and writes events as
-//! `tests/gcode` has them.
+//! Runs whole programs of the two languages for their tests and writes events as `tests/gcode` has them. The programs there are read by
+//! `tests/it/programs.rs`; here they are only what mutations begin from.
 #![allow(clippy::unwrap_used)]
 
 use super::super::dialect::Dialect;
 use super::super::error::InterpretError;
 use super::super::event::{Event, MotionKind, Plane};
-use super::super::flow::Flow;
-use super::super::interpret::lines;
+use super::super::program::{Interpreter, Reading};
 use super::super::state::State;
-use super::super::{heidenhain, siemens};
+use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
-/// So many lines are carried out at most.
-const LONGEST: usize = 20_000;
+/// So many lines are read again at most: loops in these programs are short.
+const LINES_AGAIN: u64 = 20_000;
 
-/// A language's memory.
-enum Memory {
-    Heidenhain(heidenhain::Memory),
-    Siemens(siemens::Memory),
-}
-
-/// A program's events and the state at its end, or what is wrong with it. Labels that are missing end it.
+/// A program's events and the state at its end, or what is wrong with it.
 pub(in crate::gcode) fn run(
     text: &str,
     dialect: Dialect,
 ) -> Result<(Vec<Event>, State), Vec<InterpretError>> {
-    let mut state = State::new(dialect);
-    let mut memory = match dialect {
-        Dialect::Heidenhain => Memory::Heidenhain(Default::default()),
-        _ => Memory::Siemens(Default::default()),
+    let reading = Reading {
+        lines_again: LINES_AGAIN,
+        ..Reading::default()
     };
-    let label = match dialect {
-        Dialect::Heidenhain => heidenhain::label,
-        _ => siemens::label,
-    };
-    let all: Vec<&str> = lines(text).collect();
-    let (mut events, mut errors) = (vec![], vec![]);
-    let mut calls: Vec<(usize, usize, u32)> = vec![];
-    let mut repeats: Vec<(usize, u32)> = vec![];
-    let (mut at, mut steps) = (0, 0);
-    while let Some(line) = all.get(at) {
-        steps += 1;
-        if steps > LONGEST {
-            break;
-        }
-        // A repetition under way is counted, not begun anew.
-        if let Some((_, left)) = repeats.last_mut().filter(|r| r.0 == at)
-            && *left == 0
-        {
-            repeats.pop();
-            at += 1;
-            continue;
-        }
-        let said = match &mut memory {
-            Memory::Heidenhain(m) => heidenhain::line(&mut state, m, line, at + 1, &mut events),
-            Memory::Siemens(m) => siemens::line(&mut state, m, line, at + 1, &mut events),
-        };
-        let flow = match said {
-            Ok(flow) => flow,
-            Err(fault) => {
-                errors.push(fault.locate(line, at + 1));
-                Flow::Next
-            }
-        };
-        let find = |l: &str| all.iter().position(|t| label(t).as_deref() == Some(l));
-        let next = at + 1;
-        match flow {
-            Flow::Next => at = next,
-            Flow::End => break,
-            Flow::Call { label, times } => match find(&label) {
-                Some(place) => {
-                    calls.push((next, place, times - 1));
-                    at = place + 1;
-                }
-                None => break,
-            },
-            Flow::Return => match calls.pop() {
-                Some((back, place, left)) if left > 0 => {
-                    calls.push((back, place, left - 1));
-                    at = place + 1;
-                }
-                Some((back, _, _)) => at = back,
-                None => break,
-            },
-            Flow::Repeat { label, times } => match find(&label) {
-                Some(place) => {
-                    match repeats.last_mut().filter(|r| r.0 == at) {
-                        Some(r) => r.1 -= 1,
-                        None => repeats.push((at, times - 1)),
-                    }
-                    at = place;
-                }
-                None => break,
-            },
-            Flow::Goto { label: l, forward } => {
-                let is = |t: &&str| label(t).as_deref() == Some(&*l);
-                let ahead = all.iter().skip(next).position(is).map(|p| p + next);
-                let before = all.iter().take(at).rposition(is);
-                let place = match forward {
-                    Some(true) => ahead,
-                    Some(false) => before,
-                    None => ahead.or(before),
-                };
-                match place {
-                    Some(place) => at = place,
-                    None => break,
-                }
-            }
-        }
-    }
-    if errors.is_empty() {
-        let end = match &memory {
-            Memory::Heidenhain(m) => heidenhain::finish(m),
-            Memory::Siemens(m) => siemens::finish(m),
-        };
-        errors.extend(end.err().map(|fault| fault.locate("", all.len() + 1)));
-    }
-    if errors.is_empty() {
-        Ok((events, state))
-    } else {
-        Err(errors)
+    let from = Cursor::new(text.as_bytes());
+    let mut program = Interpreter::from_state(from, State::new(dialect), reading).unwrap();
+    let mut events = vec![];
+    let errors = program.read_all(&mut events);
+    match errors.is_empty() {
+        true => Ok((events, program.state().clone())),
+        false => Err(errors),
     }
 }
 
@@ -131,7 +40,7 @@ fn number(value: f64) -> String {
 }
 
 /// One event as `tests/gcode` writes it.
-pub(in crate::gcode) fn show(event: &Event) -> String {
+fn show(event: &Event) -> String {
     match event {
         Event::Motion(m) => {
             let machine = if m.machine_coordinates {
@@ -195,7 +104,7 @@ pub(in crate::gcode) fn told(text: &str, dialect: Dialect) -> Vec<String> {
 }
 
 /// The programs under `tests/gcode`, of one kind and dialect.
-pub(in crate::gcode) fn programs(kind: &str, dialect: Dialect) -> Vec<PathBuf> {
+fn programs(kind: &str, dialect: Dialect) -> Vec<PathBuf> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/gcode");
     let folder = root.join(kind).join(dialect.name());
     let entries = std::fs::read_dir(folder).unwrap();
@@ -203,45 +112,6 @@ pub(in crate::gcode) fn programs(kind: &str, dialect: Dialect) -> Vec<PathBuf> {
     all.retain(|p| p.extension().is_some_and(|e| e == "nc"));
     all.sort();
     all
-}
-
-/// The text of a file, as far as it is UTF-8.
-fn text(file: &Path) -> String {
-    String::from_utf8_lossy(&std::fs::read(file).unwrap()).into_owned()
-}
-
-#[test]
-fn the_good_programs_come_to_their_events() {
-    let mut wrong = vec![];
-    for dialect in [Dialect::Heidenhain, Dialect::Siemens] {
-        for file in programs("ok", dialect) {
-            let want = text(&file.with_extension("events"));
-            let got = told(&text(&file), dialect);
-            if want.lines().ne(got.iter().map(String::as_str)) {
-                wrong.push(format!("{}:\n{}", file.display(), got.join("\n")));
-            }
-        }
-    }
-    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
-}
-
-#[test]
-fn the_broken_programs_are_refused_as_they_say() {
-    let mut wrong = vec![];
-    for dialect in [Dialect::Heidenhain, Dialect::Siemens] {
-        for file in programs("err", dialect) {
-            let program = text(&file);
-            let want = program.lines().map_while(|l| l.strip_prefix("; "));
-            let got: Vec<String> = match run(&program, dialect) {
-                Ok(_) => vec!["no error".into()],
-                Err(errors) => errors.iter().map(ToString::to_string).collect(),
-            };
-            if want.ne(got.iter().map(String::as_str)) {
-                wrong.push(format!("{}:\n{}", file.display(), got.join("\n")));
-            }
-        }
-    }
-    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
 mod mutations {

@@ -1,4 +1,4 @@
-; 2:1 M98 is not a command of this controller: remove it, or post the program for this dialect
+; 2:1 M98 is refused: subprograms are called by GOSUB here, which is not read; write their moves out
 M98 P2
 M2
 O2

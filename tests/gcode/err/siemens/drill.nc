@@ -6,7 +6,7 @@
 ; 21:1 CYCLE81 takes RTP not below RFP, and a depth below RFP (alarm 61101): correct it
 ; 22:1 SDIS takes a distance without sign: correct it
 ; 23:1 DTB in revolutions is not supported: give seconds, above zero
-; 24:20 CYCLE81 with more arguments is not supported: this reader knows the form RTP, RFP, SDIS, DP, DPR and DTB; post the motions themselves
+; 24:22 CYCLE81 with more arguments is not supported: this reader knows RTP, RFP, SDIS, DP, DPR and DTB, and what stands behind them changes what these mean; post the motions themselves
 ; 25:1 CYCLE83 is not supported: this reader carries out CYCLE81 and CYCLE82; post the motions themselves
 ; 26:1 MCALL CYCLE85 is not supported: this reader carries out CYCLE81 and CYCLE82; post the motions themselves
 ; 28:1 drilling in G18 or G19 is not supported: write G17 before the cycle

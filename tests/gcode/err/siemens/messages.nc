@@ -4,11 +4,11 @@
 ; 11:1 WORKPIECE needs its arguments in parentheses: add it
 ; 12:12 WORKPIECE needs a closing quotation mark: add it
 ; 13:14 WORKPIECE needs a closing parenthesis: add it
-; 14:10 "X5" is not understood here: correct it, or post the program again
+; 14:10 "?" is not understood here: correct it, or post the program again
 MSG
 MSG("open)
 MSG("A"<<R1)
 WORKPIECE
 WORKPIECE(,"open)
 WORKPIECE((1)
-MSG("A") X5
+MSG("A") ?
