@@ -86,6 +86,7 @@ fn reading_time(line: &Line) -> f64 {
         [] => 0.00005,
         [b'$', b'H', ..] => 0.00072,
         [b'$', b'J', ..] => 0.0005 + 0.00022 * axes + 0.0000125 * digits + 0.00003 * dots,
+        [b'$', b'S', ..] => 0.00005,
         [b'$', ..] => 0.00011,
         _ if axes > 0.0 => {
             let others = words - axes - codes;
@@ -154,6 +155,11 @@ impl Controller {
             }
             if self.now < self.busy_until - SAME_MOMENT {
                 return;
+            }
+            if self.suspend == Suspend::Door && !self.door_done && !self.motion.going() {
+                // Spindle and coolant go off at rest.
+                self.door_done = true;
+                self.overrides_in = 0;
             }
             if let Suspend::DoorResuming { spindle, coolant } = self.suspend {
                 self.go_on_resuming(spindle, coolant);

@@ -11,8 +11,7 @@
 //! ```
 //! What it keeps to: line intake, flow control, error numbers, states, resets, report cadence, switches, homing, probing, planner and
 //! slice latency of the firmware as shipped (Uno, no line numbers, no M7), and on a timed line the time that bytes and thinking take.
-//! What it leaves out: beam power that changes from block to block is shown at once (laser mode), and of grblHAL and FluidNC all
-//! that a sender need not notice.
+//! What it leaves out: of grblHAL and FluidNC all that a sender need not notice.
 //!
 //! ```
 //! use morsemill::controller::{Controller, Memory};
@@ -206,6 +205,8 @@ pub struct Controller {
     reporting_until: f64,
     /// The door has not been dealt with before.
     door_until: f64,
+    /// Behind an open door spindle and coolant have been turned off.
+    door_done: bool,
     /// The coolant runs, unless a door stops it.
     flood: bool,
     /// WCO as reports show it: it lags behind the parser until the motion before has ended.
@@ -288,6 +289,7 @@ impl Controller {
             probe_away: false,
             reporting_until: 0.0,
             door_until: 0.0,
+            door_done: false,
             flood: false,
             offset: [0.0; 3],
             probe: Point::origin(),
@@ -620,7 +622,10 @@ impl Controller {
         self.deaf = Deaf::No;
         // The line that was being carried out lets go of its answer.
         if let Some(line) = self.reading.take() {
-            self.dispatch(&line);
+            match self.dead {
+                true => self.ok(),
+                false => self.dispatch(&line),
+            }
             if self.leaves_travel() {
                 // The alarm takes the reset's place.
                 self.motion.abort();

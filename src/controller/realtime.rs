@@ -5,6 +5,8 @@ use super::{Controller, Deaf, Mode, NO_OVERRIDES, Suspend};
 use crate::kinematics::Overrides;
 use crate::wire::Realtime;
 
+/// So long it takes to write a report, s.
+const REPORT: f64 = 0.0005;
 /// So long after it has noticed the door the firmware takes to be ready for what comes next, s.
 const DOOR: f64 = 0.0002;
 
@@ -71,7 +73,7 @@ impl Controller {
         if flags.contains(&Realtime::Status) {
             self.report_status();
             self.reporting_until = if self.cable.is_timed() {
-                self.busy_until
+                self.now + REPORT
             } else {
                 0.0
             };
@@ -184,7 +186,7 @@ impl Controller {
             return;
         }
         self.spindle_stopped = false;
-        self.overrides_in = 0;
+        self.door_done = false;
         if self.mode == Mode::Jog {
             self.cancel_jog();
         }
@@ -215,7 +217,8 @@ impl Controller {
                 }
                 let (spindle, coolant) = RESUMING;
                 self.suspend = Suspend::DoorResuming {
-                    spindle: spindle * u32::from(self.spindle != 0),
+                    // A laser needs no time to come up to speed.
+                    spindle: spindle * u32::from(self.spindle != 0 && !self.memory.is_on(32)),
                     coolant: coolant * u32::from(self.flood),
                 };
             }

@@ -8,7 +8,15 @@ use crate::wire::{Buffer, DoorPhase, Overrides, Position, State, Status};
 /// A figure as the firmware prints it: it counts in single precision and rounds halves up. Negative zero becomes a plain one.
 pub(super) fn as_printed(value: f64, decimals: u32) -> f64 {
     let scale = 10f32.powi(decimals as i32);
-    let whole = ((value.abs() as f32) * scale + 0.5).floor();
+    // Two decimals at a time.
+    let mut whole = value.abs() as f32;
+    for _ in 0..decimals / 2 {
+        whole *= 100.0;
+    }
+    if decimals % 2 == 1 {
+        whole *= 10.0;
+    }
+    let whole = (whole + 0.5).floor();
     // What does not fit the firmware's integer becomes the largest there is.
     let whole = match whole < 2_147_483_648.0 {
         true => whole,
@@ -140,7 +148,7 @@ impl Controller {
                     .push(if self.spindle > 0 { 'S' } else { 'C' });
             }
             let resuming = matches!(self.suspend, Suspend::DoorResuming { coolant, .. } if coolant == RESUMING.1);
-            if self.flood && self.suspend != Suspend::Door && !resuming {
+            if self.flood && !self.behind_door() && !resuming {
                 status.accessories.push('F');
             }
         }
@@ -150,7 +158,7 @@ impl Controller {
 
     /// What the spindle turns with now, overridden and clamped; in laser mode, the beam.
     fn turning_rpm(&self) -> f64 {
-        let off = self.spindle == 0 || self.spindle_stopped_now() || self.suspend == Suspend::Door;
+        let off = self.spindle == 0 || self.spindle_stopped_now() || self.behind_door();
         let rpm = self.rpm * f64::from(self.percent.spindle) / 100.0;
         let (least, most) = (self.memory.get(31), self.memory.get(30));
         match off {
@@ -163,13 +171,18 @@ impl Controller {
 
     /// The spindle is told to turn, be it at a speed of nothing.
     fn is_lit(&self) -> bool {
-        let off = self.spindle == 0 || self.spindle_stopped_now() || self.suspend == Suspend::Door;
+        let off = self.spindle == 0 || self.spindle_stopped_now() || self.behind_door();
         let (least, most) = (self.memory.get(31), self.memory.get(30));
         let told = match self.memory.is_on(32) {
             true => self.motion.shining().rpm,
             false => self.rpm,
         };
         !off && (told > 0.0 || least >= most)
+    }
+
+    /// The axes rest behind an open door.
+    fn behind_door(&self) -> bool {
+        self.suspend == Suspend::Door && !self.motion.going()
     }
 
     fn spindle_stopped_now(&self) -> bool {
