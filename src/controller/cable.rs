@@ -12,6 +12,9 @@ const CHOKED: usize = 4096;
 /// Bytes the transmit ring holds.
 const RING: usize = 104;
 
+/// Bytes of a short message and its answer.
+const MESSAGE: usize = 20;
+
 /// The line in both directions. Times are machine time, s.
 #[derive(Clone, Debug)]
 pub(super) struct Cable {
@@ -79,6 +82,11 @@ impl Cable {
             at += self.byte;
             self.leaving.push_back((at, byte));
         }
+    }
+
+    /// The transmit ring has room for a message.
+    pub fn has_room(&self) -> bool {
+        self.leaving.len() + MESSAGE < RING
     }
 
     /// When the transmit ring has room again, if what was said overfills it.

@@ -4,6 +4,7 @@ use super::complaint::error_number;
 use super::execute::Step;
 use super::{Controller, Mode};
 use crate::gcode::{State as Parser, interpret_jog};
+use crate::gcode::single::read_single;
 use crate::geom::Point;
 use crate::kinematics::Speed;
 
@@ -70,7 +71,13 @@ impl Controller {
                 if rest == "I" {
                     self.report_build();
                 } else {
-                    self.memory.build_text = rest.strip_prefix("I=").ok_or(3u16)?.to_string();
+                    let text = rest.strip_prefix("I=").ok_or(3u16)?;
+                    self.fits_memory(text)?;
+                    let mut after = self.memory.clone();
+                    after.build_text = text.to_string();
+                    let bytes = self.memory.bytes_to(&after);
+                    self.memory = after;
+                    self.steps.push_back(Step::Write(bytes));
                 }
                 Ok(())
             }
@@ -93,8 +100,11 @@ impl Controller {
             }
             "G" => self.report_modes(),
             "C" if self.mode == Mode::Check => {
-                self.say("[MSG:Disabled]");
-                self.steps.push_back(Step::Ok);
+                // The reset is set off first: what finds no room to be said in any more is dropped.
+                if self.cable.has_room() {
+                    self.say("[MSG:Disabled]");
+                    self.steps.push_back(Step::Ok);
+                }
                 self.steps.push_back(Step::LeaveCheck);
             }
             "C" if idle => {
@@ -104,6 +114,9 @@ impl Controller {
             "C" => return Err(8),
             _ => {
                 if self.mode == Mode::Alarm {
+                    if self.door_ajar() {
+                        return Err(13);
+                    }
                     self.say("[MSG:Caution: Unlocked]");
                     self.mode = Mode::Normal;
                 }
@@ -127,6 +140,7 @@ impl Controller {
         self.steps.push_back(Step::Block {
             to,
             speed: Speed::Fixed(motion.feed),
+            beam: self.jog_beam(),
         });
         self.steps.push_back(Step::Start);
         Ok(())
@@ -143,8 +157,19 @@ impl Controller {
             }
             return Err(3);
         }
+        if self.door_ajar() {
+            return Err(13);
+        }
         self.begin_homing();
         Ok(())
+    }
+
+    /// A line that is kept has to fit the place it is kept in (error 14: builds that read longer lines than they can keep).
+    fn fits_memory(&self, text: &str) -> Result<(), u16> {
+        match text.len() < crate::wire::LINE_CHARS {
+            true => Ok(()),
+            false => Err(14),
+        }
     }
 
     fn startup_line(&mut self, rest: &str, idle: bool) -> Result<(), u16> {
@@ -158,17 +183,13 @@ impl Controller {
         if !idle {
             return Err(8);
         }
-        let (number, text) = rest.get(1..).and_then(|r| r.split_once('=')).ok_or(3u16)?;
-        let (slot, behind) = self::number(number).ok_or(2u16)?;
-        if !behind.is_empty() {
-            return Err(3);
-        }
-        let slot = slot as usize;
+        let (slot, behind) = number(rest.get(1..).unwrap_or_default()).ok_or(2u16)?;
+        let text = behind.strip_prefix('=').ok_or(3u16)?;
+        let slot = usize::from(slot as i64 as u8);
+        self.fits_memory(text)?;
         // It is carried out first, and kept only if it went well.
         self.carry_out(text)?;
-        if let Some(place) = self.memory.startup.get_mut(slot) {
-            *place = text.to_string();
-        }
+        self.memory.keep_startup(slot, text);
         Ok(())
     }
 
@@ -190,6 +211,7 @@ impl Controller {
         if !matches!(what, "$" | "#" | "*") {
             return Err(3);
         }
+        let before = self.memory();
         if what != "#" {
             self.memory.restore();
             self.motion
@@ -203,7 +225,10 @@ impl Controller {
             self.memory.startup = Default::default();
             self.memory.build_text.clear();
         }
-        self.say("[MSG:Restoring defaults]");
+        self.memory.places = Controller::stored(&self.parser);
+        self.steps
+            .push_back(Step::Write(before.bytes_to(&self.memory)));
+        self.steps.push_back(Step::Say("[MSG:Restoring defaults]"));
         self.steps.push_back(Step::Ok);
         self.steps.push_back(Step::LeaveCheck);
         Ok(())
@@ -221,47 +246,28 @@ impl Controller {
             true => value.min(255.0),
             false => value,
         };
-        self.memory.store(number, value)?;
+        let before = self.memory.clone();
+        let mut after = before.clone();
+        after.store(number, value)?;
+        let options = self.build.options;
+        if number as u16 == 32 && !options.variable_spindle && after.is_on(32) {
+            return Err(17);
+        }
+        if let Some(most) = options.most_steps_per_second
+            && after.steps_per_second() > f64::from(most)
+            && matches!(number as u16, 100..=102 | 110..=112)
+        {
+            return Err(12);
+        }
+        self.memory = after;
+        self.steps
+            .push_back(Step::Write(before.bytes_to(&self.memory)));
         self.motion
             .set_settings(&self.memory.planner_settings(self.build.blocks));
         self.refresh_offset();
         self.wco_in = 0;
         Ok(())
     }
-}
-
-/// A figure in the firmware's single precision: eight digits, then tenths and hundredths multiplied in.
-fn read_single(figure: &str) -> Option<f64> {
-    let (mut whole, mut digits, mut exponent, mut dot) = (0u32, 0, 0i32, false);
-    for byte in figure.bytes() {
-        match byte {
-            b'.' => dot = true,
-            b'0'..=b'9' if digits < 8 => {
-                whole = whole * 10 + u32::from(byte - b'0');
-                digits += 1;
-                exponent -= i32::from(dot);
-            }
-            b'0'..=b'9' => exponent += i32::from(!dot),
-            _ => {}
-        }
-    }
-    let mut value = whole as f32;
-    while exponent <= -2 {
-        value *= 0.01;
-        exponent += 2;
-    }
-    if exponent < 0 {
-        value *= 0.1;
-    }
-    for _ in 0..exponent.max(0) {
-        value *= 10.0;
-    }
-    let value = if figure.starts_with('-') {
-        -value
-    } else {
-        value
-    };
-    Some(f64::from(value.clamp(f32::MIN, f32::MAX)))
 }
 
 /// A number as the firmware reads it: sign, digits, one dot. And what follows it.
@@ -278,5 +284,5 @@ fn number(text: &str) -> Option<(f64, &str)> {
         .map_or(text.len(), |(i, _)| i);
     let (figure, rest) = text.split_at_checked(end)?;
     figure.bytes().any(|b| b.is_ascii_digit()).then_some(())?;
-    Some((read_single(figure)?, rest))
+    Some((read_single(figure), rest))
 }

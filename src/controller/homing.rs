@@ -13,6 +13,11 @@ use crate::units::MmPerMin;
 const SEEK: f64 = 1.5;
 /// Locating goes on for so many times the pull-off.
 const LOCATE: f64 = 5.0;
+/// How far apart the switches of an axis with two motors may be met: a share of the travel, at least and at most so many mm
+/// (GRBL's config.h, dual axis).
+const ASKEW: f64 = 0.05;
+const LEAST_ASKEW: f64 = 2.5;
+const MOST_ASKEW: f64 = 25.0;
 /// The axes of each cycle, one cycle after the other.
 const CYCLES: [[bool; 3]; 2] = [[false, false, true], [true, true, false]];
 /// Legs of a cycle: to the switch, off it, to it slowly, off it.
@@ -113,6 +118,9 @@ impl Controller {
             let limits = self.limits_active();
             let place = self.motion.position();
             let (now, bounce) = (self.now, self.memory.get(26) / 1000.0);
+            let second = self.build.options.second_y_switch_um;
+            let second = second.map(|um| f64::from(um) / 1000.0);
+            let allowed = (ASKEW * self.memory.get(131)).clamp(LEAST_ASKEW, MOST_ASKEW);
             let Some(homing) = &mut self.homing else {
                 return;
             };
@@ -133,6 +141,10 @@ impl Controller {
             let done = if homing.approaches() {
                 for axis in (0..3).filter(|&i| axes[i] && limits[i]) {
                     homing.stopped[axis].get_or_insert(place[axis]);
+                }
+                if homing.leg == 0 && axes[1] && limits[1] && second.is_some_and(|gap| gap > allowed) {
+                    // One side has arrived and the other is still under way: the gantry stands askew.
+                    return self.homing_failed(10);
                 }
                 let all = (0..3).all(|i| !axes[i] || homing.stopped[i].is_some());
                 if !all && !self.motion.moving() && self.motion.is_empty_but_rest() {

@@ -11,8 +11,7 @@
 //! ```
 //! What it keeps to: line intake, flow control, error numbers, states, resets, report cadence, switches, homing, probing, planner and
 //! slice latency of the firmware as shipped (Uno, no line numbers, no M7), and on a timed line the time that bytes and thinking take.
-//! What it leaves out: beam power that changes from block to block is shown at once (laser mode), and of grblHAL and FluidNC all
-//! that a sender need not notice.
+//! What it leaves out: of grblHAL and FluidNC all that a sender need not notice.
 //!
 //! ```
 //! use morsemill::controller::{Controller, Memory};
@@ -55,7 +54,7 @@ pub use fault::{Faults, Side, Tally};
 pub use fault_plan::{Deed, FaultError, FaultPlan, Noise, When};
 pub use front::{Front, News, Opening, Pace, Readout};
 pub use pins::{Pins, Switches};
-pub use profile::{Profile, Quirks};
+pub use profile::{Options, Profile, Quirks};
 pub use pty::{Pty, PtyError};
 pub use rehearsal::{Drive, Driven, PartPlace};
 pub use rig::{Rig, RigOptions};
@@ -71,7 +70,7 @@ use cable::Cable;
 use execute::Step;
 use homing::Homing;
 use intake::{Intake, Line};
-use motion::Motion;
+use motion::{Beam, Motion};
 use std::collections::VecDeque;
 
 /// What a build of the firmware has room for.
@@ -85,6 +84,8 @@ pub struct Build {
     pub profile: Profile,
     /// Its oddities.
     pub quirks: Quirks,
+    /// What its maker chose.
+    pub options: Options,
     /// Bits a second of the serial line and with it the time the firmware takes to think; `None`: neither takes any time.
     pub baud: Option<u32>,
 }
@@ -97,6 +98,7 @@ impl Build {
             rx_bytes: profile.rx_bytes(),
             profile,
             quirks: Quirks::default(),
+            options: Options::default(),
             baud: None,
         }
     }
@@ -196,6 +198,16 @@ pub struct Controller {
     spindle: i8,
     rpm: f64,
     spindle_stopped: bool,
+    /// The spindle's direction before the line read last.
+    parser_spindle: i8,
+    /// A probe looks for the end of a contact.
+    probe_away: bool,
+    /// A report is being written until then: whoever asks meanwhile gets that one.
+    reporting_until: f64,
+    /// The door has not been dealt with before.
+    door_until: f64,
+    /// Behind an open door spindle and coolant have been turned off.
+    door_done: bool,
     /// The coolant runs, unless a door stops it.
     flood: bool,
     /// WCO as reports show it: it lags behind the parser until the motion before has ended.
@@ -248,6 +260,8 @@ impl Controller {
 
     fn off(memory: Memory, build: Build) -> Controller {
         let mut parser = Parser::new(build.profile.dialect());
+        // The firmwares of this family all count in single precision.
+        parser.single = true;
         memory.recall(&mut parser);
         Controller {
             motion: Motion::new(&memory.planner_settings(build.blocks), Point::origin())
@@ -255,7 +269,7 @@ impl Controller {
             build,
             memory,
             parser,
-            intake: Intake::new(build.rx_bytes).cutting(build.profile.cutting(&build.quirks)),
+            intake: Intake::new(build.rx_bytes).cutting(build.profile.cutting(&build.quirks, &build.options)),
             wall: None,
             flags: realtime::Flags::default(),
             steps: VecDeque::new(),
@@ -272,6 +286,11 @@ impl Controller {
             spindle: 0,
             rpm: 0.0,
             spindle_stopped: false,
+            parser_spindle: 0,
+            probe_away: false,
+            reporting_until: 0.0,
+            door_until: 0.0,
+            door_done: false,
             flood: false,
             offset: [0.0; 3],
             probe: Point::origin(),
@@ -429,6 +448,7 @@ impl Controller {
                 .arrive_as(byte, self.build.profile.realtime(byte))
             {
                 Some(crate::wire::Realtime::Reset) => _ = self.reset(),
+                Some(crate::wire::Realtime::Status) if self.now < self.reporting_until => {}
                 Some(command) => self.flags.set(command),
                 None => {}
             }
@@ -536,6 +556,17 @@ impl Controller {
         }
         // Also for no time at all: a slice may be that short.
         self.motion.advance(dt);
+        self.follow_beam();
+    }
+
+    /// With a laser, what the blocks tell the spindle holds.
+    fn follow_beam(&mut self) {
+        if let Some(rpm) = self.motion.take_told()
+            && self.memory.is_on(32)
+            && self.spindle != 0
+        {
+            self.rpm = rpm;
+        }
     }
 
     fn say(&mut self, line: &str) {
@@ -592,7 +623,16 @@ impl Controller {
         self.deaf = Deaf::No;
         // The line that was being carried out lets go of its answer.
         if let Some(line) = self.reading.take() {
-            self.dispatch(&line);
+            match self.dead {
+                true => self.ok(),
+                false => self.dispatch(&line),
+            }
+            if self.leaves_travel() {
+                // The alarm takes the reset's place.
+                self.motion.abort();
+                self.steps.retain(|s| *s == Step::Ok);
+                return self.alarm(2);
+            }
         }
         if self.build.quirks.stray_ok && self.steps.contains(&Step::Ok) {
             self.ok();
@@ -623,9 +663,20 @@ impl Controller {
         self.soft_limit = false;
         self.percent = NO_OVERRIDES;
         (self.spindle, self.rpm, self.spindle_stopped) = (0, 0.0, false);
+        self.motion.shine(Beam::default());
+        self.probe_away = false;
         self.flood = false;
         (self.probe, self.probe_hit) = (Point::origin(), false);
         self.restart();
+    }
+
+    /// The next thing to do is a motion out of the travel.
+    fn leaves_travel(&self) -> bool {
+        let first = self.steps.iter().find_map(|s| match s {
+            Step::Block { to, .. } => Some(*to),
+            _ => None,
+        });
+        self.memory.is_on(20) && first.is_some_and(|to| self.outside(&to))
     }
 
     fn restart(&mut self) {

@@ -11,6 +11,12 @@ use crate::geom::Point;
 use crate::kinematics::{Overrides, Planner, Profile, Pushed, Settings, Speed, Target};
 use std::collections::VecDeque;
 
+/// Longer than anybody waits, s.
+const ENDLESS: f64 = 1e12;
+/// Fewest steps of a slice that does not end its block.
+const LEAST_STEPS: f64 = 1.25;
+/// Longest time from one step to the next: eight times what sixteen bits count at 16 MHz, s.
+const SLOWEST_STEP: f64 = 8.0 * 65_535.0 / 16e6;
 /// Longest slice, s.
 const SLICE: f64 = 0.010;
 /// Slices the firmware holds, the running one included.
@@ -22,6 +28,15 @@ const STEP_SLACK: f64 = 1e-4;
 /// What is left of a block when it counts as done, mm: far below any step.
 const NOTHING: f64 = 1e-7;
 
+/// What the spindle is told as a block is prepared: with a laser its power changes from block to block.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Beam {
+    /// Turns per minute of the block, before overrides; zero: dark.
+    pub rpm: f64,
+    /// The power follows the speed (M4 with a laser).
+    pub follows: bool,
+}
+
 #[derive(Clone, Copy, Debug)]
 struct Slice {
     duration: f64,
@@ -30,12 +45,20 @@ struct Slice {
     rapid: bool,
     /// The whole block, steps.
     block: ([i64; 3], [i64; 3]),
+    /// What the spindle is told meanwhile.
+    beam: Beam,
 }
 
 /// The axes and their queue.
 #[derive(Clone, Debug)]
 pub struct Motion {
     planner: Planner,
+    /// Of the blocks in the planner.
+    beams: VecDeque<Beam>,
+    /// Of the slice prepared last, since it was last asked for.
+    told: Option<f64>,
+    /// Of the slice that runs, or ran last.
+    shining: Beam,
     slices: VecDeque<Slice>,
     /// Seconds of the first slice already run.
     run: f64,
@@ -66,6 +89,9 @@ impl Motion {
         planner.set_position(&position);
         Motion {
             planner,
+            beams: VecDeque::new(),
+            told: None,
+            shining: Beam::default(),
             slices: VecDeque::new(),
             run: 0.0,
             speed: 0.0,
@@ -92,6 +118,7 @@ impl Motion {
     fn anew(&self, settings: &Settings, position: Point) -> Motion {
         let mut fresh = Motion::new(settings, position).starting_after(self.start_delay);
         fresh.planner.set_overrides(self.planner.overrides());
+        fresh.shining = self.shining;
         fresh
     }
 
@@ -188,12 +215,36 @@ impl Motion {
 
     /// Adds a straight block to `to`, machine coordinates. A block without steps to make vanishes.
     pub fn push(&mut self, to: Point, speed: Speed) -> Pushed {
+        self.push_with(to, speed, Beam::default())
+    }
+
+    /// The same, with what the spindle is told.
+    pub fn push_with(&mut self, to: Point, speed: Speed, beam: Beam) -> Pushed {
         // What is under way is planned with the speed it has now.
         if let Some((block, _)) = self.planner.front() {
             let remaining = block.remaining;
             self.planner.advance(remaining, self.speed);
         }
-        self.planner.push(Target { to, speed, line: 0 })
+        let pushed = self.planner.push(Target { to, speed, line: 0 });
+        if pushed == Pushed::Queued {
+            self.beams.push_back(beam);
+        }
+        pushed
+    }
+
+    /// What the spindle has been told by blocks since this was last asked, turns per minute before overrides.
+    pub fn take_told(&mut self) -> Option<f64> {
+        self.told.take()
+    }
+
+    /// What the spindle is told by the slice that runs, or was told last.
+    pub fn shining(&self) -> Beam {
+        self.shining
+    }
+
+    /// The spindle is told so at a standstill.
+    pub fn shine(&mut self, beam: Beam) {
+        (self.shining, self.told) = (beam, None);
     }
 
     /// Starts (or goes on with) what is queued.
@@ -207,6 +258,7 @@ impl Motion {
                     from: self.position,
                     to: self.position,
                     block: self.block.unwrap_or((steps, steps)),
+                    beam: self.shining,
                 });
             }
             self.going = true;
@@ -279,6 +331,7 @@ impl Motion {
         }
         self.slices
             .front()
+            .filter(|s| s.duration < ENDLESS)
             .map(|s| (s.duration - self.run).max(0.0))
     }
 
@@ -290,6 +343,9 @@ impl Motion {
         self.run += dt;
         let before = self.position;
         self.block = Some(slice.block);
+        if slice.from != slice.to || self.resting {
+            self.shining = slice.beam;
+        }
         if self.run >= slice.duration - super::SAME_MOMENT {
             self.position = slice.to;
             self.slices.pop_front();
@@ -322,6 +378,11 @@ impl Motion {
                     to: self.position,
                     rapid: false,
                     block: self.block.unwrap_or((steps, steps)),
+                    // What follows the speed is dark at a standstill.
+                    beam: match self.shining.follows {
+                        true => Beam::default(),
+                        false => self.shining,
+                    },
                 });
             } else {
                 self.resting = false;
@@ -345,8 +406,17 @@ impl Motion {
         };
         let from = self.head;
         let steps = (block.from_steps, block.to_steps);
-        let time = profile.duration().min(SLICE);
-        let at_end = time >= profile.duration();
+        // A slice has more than one step of the axis that has most, however long that takes.
+        let whole = profile.duration();
+        let steps_per_mm = (0..3)
+            .map(|i| block.to_steps[i].abs_diff(block.from_steps[i]) as f64)
+            .fold(0.0, f64::max)
+            / block.length;
+        let mut time = whole.min(SLICE);
+        while time < whole && profile.distance_at(time) * steps_per_mm < LEAST_STEPS {
+            time = (time + SLICE).min(whole);
+        }
+        let at_end = time >= whole;
         let remaining = block.remaining
             - if at_end {
                 profile.length
@@ -360,9 +430,29 @@ impl Motion {
         };
         let end = self.planner.point_of_steps(&block.to_steps);
         let rapid = block.speed == Speed::Rapid;
+        let wanted = match block.speed {
+            Speed::Feed(f) | Speed::Fixed(f) => f.mm_per_s(),
+            Speed::InverseTime(f) => f / 60.0 * block.length,
+            Speed::Rapid => block.rapid,
+        };
+        let mut beam = self.beams.front().copied().unwrap_or_default();
+        if beam.follows && wanted > 0.0 {
+            beam.rpm *= self.speed / wanted;
+        }
+        self.told = Some(beam.rpm);
+        // More steps than the firmware can count: it never makes the first of them.
+        let most = i64::from(i32::MAX);
+        let endless = (0..3).any(|i| block.to_steps[i].abs() > most);
+        // The timer counts no longer than this from one step to the next: slower is not slower.
+        let made = (block.remaining - remaining) * steps_per_mm;
+        let time = match endless {
+            true => ENDLESS,
+            false => time.min((made * SLOWEST_STEP).max(f64::MIN_POSITIVE)),
+        };
         if remaining <= NOTHING {
             self.head = end;
             self.planner.pop();
+            self.beams.pop_front();
             match self.planner.front() {
                 Some((next, _)) => {
                     let length = next.remaining;
@@ -380,6 +470,7 @@ impl Motion {
             to: self.head,
             rapid,
             block: steps,
+            beam,
         });
         true
     }

@@ -47,8 +47,9 @@ impl Profile {
     }
 
     /// How it cuts lines.
-    pub(super) fn cutting(self, quirks: &Quirks) -> Cutting {
+    pub(super) fn cutting(self, quirks: &Quirks, options: &Options) -> Cutting {
         let stock = Cutting {
+            most: options.line_chars,
             crlf_twice: quirks.crlf_twice,
             slash_passes: quirks.slash_passes,
             ..Cutting::default()
@@ -70,15 +71,22 @@ impl Profile {
     }
 
     /// What `$I` says around the user's text: in front of it, behind it with the numbers of blocks and bytes filled in.
-    pub(super) fn build_info(self, text: &str, blocks: usize, rx: usize) -> Vec<String> {
+    pub(super) fn build_info(
+        self,
+        text: &str,
+        blocks: usize,
+        rx: usize,
+        options: &Options,
+    ) -> Vec<String> {
+        let letters = options.letters();
         match self {
             Profile::Grbl11h => vec![
                 format!("[VER:1.1h.20190830:{text}]"),
-                format!("[OPT:V,{blocks},{rx}]"),
+                format!("[OPT:{letters},{blocks},{rx}]"),
             ],
             Profile::Grbl11f => vec![
                 format!("[VER:1.1f.20170801:{text}]"),
-                format!("[OPT:V,{blocks},{rx}]"),
+                format!("[OPT:{letters},{blocks},{rx}]"),
             ],
             Profile::GrblHal => vec![
                 format!("[VER:1.1f.20260817:{text}]"),
@@ -127,6 +135,41 @@ impl Profile {
             Profile::GrblHal => 1024,
             Profile::Grbl11h | Profile::Grbl11f | Profile::FluidNc => crate::wire::RX_BYTES,
         }
+    }
+}
+
+/// What the maker of a build can choose before compiling it. The default is the firmware as shipped: some errors and alarms can only
+/// be raised by other builds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Options {
+    /// The spindle's speed is set by a pulse width. Without: reports say `F:` instead of `FS:`, and laser mode is error 17.
+    pub variable_spindle: bool,
+    /// The highest step rate that settings may ask for, steps a second (error 12); `None`: any.
+    pub most_steps_per_second: Option<u32>,
+    /// Significant characters that a line may have. Longer ones than a place in memory holds bring error 14.
+    pub line_chars: usize,
+    /// Y has two motors with a switch each, and the second one's is met so many micrometres behind the first one's. Too far apart, and
+    /// homing ends in alarm 10.
+    pub second_y_switch_um: Option<u32>,
+}
+
+impl Default for Options {
+    fn default() -> Options {
+        Options {
+            variable_spindle: true,
+            most_steps_per_second: None,
+            line_chars: crate::wire::LINE_CHARS,
+            second_y_switch_um: None,
+        }
+    }
+}
+
+impl Options {
+    /// The letters that `$I` shows for it.
+    pub(super) fn letters(&self) -> String {
+        let spindle = if self.variable_spindle { "V" } else { "" };
+        let dual = if self.second_y_switch_um.is_some() { "2" } else { "" };
+        format!("{spindle}{dual}")
     }
 }
 

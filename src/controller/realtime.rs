@@ -5,6 +5,11 @@ use super::{Controller, Deaf, Mode, NO_OVERRIDES, Suspend};
 use crate::kinematics::Overrides;
 use crate::wire::Realtime;
 
+/// So long it takes to write a report, s.
+const REPORT: f64 = 0.0005;
+/// So long after it has noticed the door the firmware takes to be ready for what comes next, s.
+const DOOR: f64 = 0.0002;
+
 /// What has arrived since the last look. Repeats within one look are merged, as in the firmware.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Flags(Vec<Realtime>);
@@ -67,6 +72,11 @@ impl Controller {
         let flags = std::mem::take(&mut self.flags.0);
         if flags.contains(&Realtime::Status) {
             self.report_status();
+            self.reporting_until = if self.cable.is_timed() {
+                self.now + REPORT
+            } else {
+                0.0
+            };
         }
         for flag in &flags {
             match flag {
@@ -87,7 +97,8 @@ impl Controller {
                     self.overrides_in = 0;
                 }
                 Realtime::Flood
-                    if !matches!(self.mode, Mode::Alarm | Mode::Check | Mode::Sleep) =>
+                    if matches!(self.mode, Mode::Normal | Mode::Jog)
+                        && matches!(self.suspend, Suspend::None | Suspend::Hold) =>
                 {
                     self.flood = !self.flood;
                     self.parser.flood = self.flood;
@@ -166,11 +177,16 @@ impl Controller {
             return;
         }
         self.say("[MSG:Check Door]");
+        self.door_until = if self.cable.is_timed() {
+            self.now + DOOR
+        } else {
+            0.0
+        };
         if self.mode == Mode::Sleep {
             return;
         }
         self.spindle_stopped = false;
-        self.overrides_in = 0;
+        self.door_done = false;
         if self.mode == Mode::Jog {
             self.cancel_jog();
         }
@@ -196,12 +212,13 @@ impl Controller {
                 self.motion.release();
             }
             Suspend::Door => {
-                if self.door_ajar() {
+                if self.door_ajar() || self.now < self.door_until {
                     return;
                 }
                 let (spindle, coolant) = RESUMING;
                 self.suspend = Suspend::DoorResuming {
-                    spindle: spindle * u32::from(self.spindle != 0),
+                    // A laser needs no time to come up to speed.
+                    spindle: spindle * u32::from(self.spindle != 0 && !self.memory.is_on(32)),
                     coolant: coolant * u32::from(self.flood),
                 };
             }

@@ -8,11 +8,20 @@ use crate::wire::{Buffer, DoorPhase, Overrides, Position, State, Status};
 /// A figure as the firmware prints it: it counts in single precision and rounds halves up. Negative zero becomes a plain one.
 pub(super) fn as_printed(value: f64, decimals: u32) -> f64 {
     let scale = 10f32.powi(decimals as i32);
-    let whole = ((value.abs() as f32) * scale + 0.5).floor();
-    // What does not fit the firmware's integer is shown as it is.
-    if whole.is_nan() || whole >= 2_147_483_648.0 {
-        return value;
+    // Two decimals at a time.
+    let mut whole = value.abs() as f32;
+    for _ in 0..decimals / 2 {
+        whole *= 100.0;
     }
+    if decimals % 2 == 1 {
+        whole *= 10.0;
+    }
+    let whole = (whole + 0.5).floor();
+    // What does not fit the firmware's integer becomes the largest there is.
+    let whole = match whole < 2_147_483_648.0 {
+        true => whole,
+        false => return 2_147_483_648.0 / f64::from(scale),
+    };
     let printed = f64::from(whole) / f64::from(scale);
     if value < 0.0 && printed > 0.0 {
         -printed
@@ -28,7 +37,11 @@ impl Controller {
 
     /// A length or speed in the unit of reports.
     fn shown(&self, mm: f64) -> f64 {
-        if self.inches() { mm / 25.4 } else { mm }
+        match self.inches() {
+            // Single precision, and with seven digits.
+            true => f64::from(mm as f32 * 0.039_370_1),
+            false => mm,
+        }
     }
 
     fn triple(&self, v: [f64; 3]) -> String {
@@ -81,7 +94,12 @@ impl Controller {
         let decimals = if self.inches() { 4 } else { 3 };
         let written = |mm: f64| as_printed(self.shown(mm), decimals);
         let place = self.position_in_steps();
-        let place = [place.x, place.y, place.z];
+        let steps_per_mm = self.memory.axes(100);
+        // Without steps per mm a place is no number.
+        let place: [f64; 3] = std::array::from_fn(|i| match steps_per_mm[i] > 0.0 {
+            true => place[i],
+            false => f64::NAN,
+        });
         let mask = self.memory.get(10) as u32;
         status.position = Some(if mask & 1 == 1 {
             Position::Machine(place.map(written))
@@ -96,10 +114,9 @@ impl Controller {
         }
         let decimals = if self.inches() { 1 } else { 0 };
         status.feed = Some(as_printed(self.shown(self.motion.speed() * 60.0), decimals));
-        // In laser mode the beam is off unless the axes move.
         let rpm = self.turning_rpm();
-        let turning = rpm > 0.0;
-        status.speed = Some(as_printed(rpm, 0));
+        let turning = self.is_lit();
+        status.speed = (self.build.options.variable_spindle).then(|| as_printed(rpm, 0));
 
         self.report_pins(&mut status);
         let busy = matches!(
@@ -131,7 +148,7 @@ impl Controller {
                     .push(if self.spindle > 0 { 'S' } else { 'C' });
             }
             let resuming = matches!(self.suspend, Suspend::DoorResuming { coolant, .. } if coolant == RESUMING.1);
-            if self.flood && self.suspend != Suspend::Door && !resuming {
+            if self.flood && !self.behind_door() && !resuming {
                 status.accessories.push('F');
             }
         }
@@ -141,28 +158,35 @@ impl Controller {
 
     /// What the spindle turns with now, overridden and clamped; in laser mode, the beam.
     fn turning_rpm(&self) -> f64 {
-        let moving = self.motion.going();
-        let feeding = matches!(
-            self.parser.motion,
-            MotionMode::Linear | MotionMode::ArcClockwise | MotionMode::ArcCounterclockwise
-        );
-        let dark = self.memory.is_on(32)
-            && match self.spindle {
-                // Constant power shines while feeds are in force, the other only while they move.
-                1 => !feeding,
-                _ => !moving || (!feeding && self.mode != Mode::Jog),
-            };
-        let off = self.spindle == 0
-            || dark
-            || (self.spindle_stopped && !moving)
-            || self.suspend == Suspend::Door;
+        let off = self.spindle == 0 || self.spindle_stopped_now() || self.behind_door();
         let rpm = self.rpm * f64::from(self.percent.spindle) / 100.0;
         let (least, most) = (self.memory.get(31), self.memory.get(30));
-        match off || rpm <= 0.0 {
+        match off {
             true => 0.0,
             false if least >= most || rpm >= most => most,
+            false if rpm <= 0.0 => 0.0,
             false => rpm.max(least),
         }
+    }
+
+    /// The spindle is told to turn, be it at a speed of nothing.
+    fn is_lit(&self) -> bool {
+        let off = self.spindle == 0 || self.spindle_stopped_now() || self.behind_door();
+        let (least, most) = (self.memory.get(31), self.memory.get(30));
+        let told = match self.memory.is_on(32) {
+            true => self.motion.shining().rpm,
+            false => self.rpm,
+        };
+        !off && (told > 0.0 || least >= most)
+    }
+
+    /// The axes rest behind an open door.
+    fn behind_door(&self) -> bool {
+        self.suspend == Suspend::Door && !self.motion.going()
+    }
+
+    fn spindle_stopped_now(&self) -> bool {
+        self.spindle_stopped && !self.motion.going()
     }
 
     fn report_pins(&self, status: &mut Status) {
@@ -218,7 +242,7 @@ impl Controller {
         };
         let coolant = if p.flood { "M8" } else { "M9" };
         let feed = if self.inches() {
-            format!("{:.1}", as_printed(p.feed.0 / 25.4, 1))
+            format!("{:.1}", as_printed(self.shown(p.feed.0), 1))
         } else {
             format!("{:.0}", as_printed(p.feed.0, 0))
         };
@@ -270,9 +294,10 @@ impl Controller {
             blocks,
             rx_bytes,
             profile,
+            options,
             ..
         } = self.build;
-        for line in profile.build_info(&self.memory.build_text, blocks, rx_bytes) {
+        for line in profile.build_info(&self.memory.build_text, blocks, rx_bytes, &options) {
             self.say(&line);
         }
     }

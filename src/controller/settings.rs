@@ -1,5 +1,6 @@
 //! The `$n=value` memory and what survives a power cycle beside it.
 
+use super::eeprom::changed;
 use super::report::as_printed;
 use crate::gcode::State as Parser;
 use crate::geom::{Point, Vector};
@@ -56,6 +57,12 @@ const TABLE: [(u16, Kind, f64); 34] = [
     (131, Kind::Decimal, 200.0),
     (132, Kind::Decimal, 200.0),
 ];
+
+/// Where the first startup line stands on the chip, what one takes with its checksum, where the user's text stands.
+const STARTUP_AT: usize = 768;
+const STARTUP_BYTES: usize = 81;
+const BUILD_TEXT_AT: usize = 942;
+const CHIP_BYTES: usize = 1024;
 
 /// The settings. Lengths mm, rates mm/min, accelerations mm/s².
 #[derive(Clone, Debug, PartialEq)]
@@ -153,6 +160,7 @@ impl Memory {
     /// GRBL's error number.
     pub fn store(&mut self, number: f64, value: f64) -> Result<(), u16> {
         // The firmware cuts the number's fraction off: `$1.5=` sets $1.
+        let number = number.trunc();
         let number = if (0.0..=255.0).contains(&number) {
             number as u16
         } else {
@@ -195,6 +203,48 @@ impl Memory {
         (parser.g28, parser.g30) = (Point::from(g28), Point::from(g30));
         // Other origins move no axis.
         parser.set_machine_position(&machine);
+    }
+
+    /// Keeps a startup line (`$Nn=`). There are two; for any other number the firmware writes where that line would be, over what
+    /// stands there.
+    pub(super) fn keep_startup(&mut self, slot: usize, text: &str) {
+        match self.startup.get_mut(slot) {
+            Some(place) => *place = text.to_string(),
+            None => {
+                let at = (STARTUP_AT + slot * STARTUP_BYTES) % CHIP_BYTES;
+                if at < BUILD_TEXT_AT + STARTUP_BYTES && at + STARTUP_BYTES > BUILD_TEXT_AT {
+                    self.build_text.clear();
+                }
+            }
+        }
+    }
+
+    /// The most steps an axis makes in a second at its highest rate.
+    pub(super) fn steps_per_second(&self) -> f64 {
+        let (steps, rate) = (self.axes(100), self.axes(110));
+        (0..3).map(|i| steps[i] * rate[i] / 60.0).fold(0.0, f64::max)
+    }
+
+    /// Bytes of the chip that change from one to the other, checksums counted.
+    pub(super) fn bytes_to(&self, after: &Memory) -> usize {
+        let values = TABLE.iter().zip(self.values.iter().zip(&after.values));
+        let bytes: usize = values
+            .map(|((_, kind, _), (b, a))| match kind {
+                Kind::Byte | Kind::Switch => usize::from(b != a),
+                Kind::Whole | Kind::Decimal => changed(*b, *a),
+            })
+            .sum();
+        let places = self.places.iter().zip(&after.places);
+        let moved: usize = places
+            .map(|(b, a)| {
+                let of_place: usize = b.iter().zip(a).map(|(b, a)| changed(*b, *a)).sum();
+                of_place + usize::from(of_place > 0)
+            })
+            .sum();
+        let texts = self.startup.iter().zip(&after.startup);
+        let texts = texts.chain([(&self.build_text, &after.build_text)]);
+        let written: usize = texts.map(|(b, a)| if b == a { 0 } else { a.len().max(1) + 1 }).sum();
+        bytes + usize::from(bytes > 0) + moved + written
     }
 
     /// Back to the defaults (`$RST=$`).

@@ -37,7 +37,8 @@ impl Controller {
             .switches
             .probe_z
             .is_some_and(|at| steps <= at as f64 + ON_IT);
-        (self.pins.probe || touches) != self.memory.is_on(6)
+        // While it looks for the end of a contact the firmware takes the pin the other way round, reports too.
+        (self.pins.probe || touches) != (self.memory.is_on(6) != self.probe_away)
     }
 
     /// The safety door stands open, and the build has a pin for it.

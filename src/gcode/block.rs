@@ -12,6 +12,7 @@ use super::envelope;
 use super::error::{Code, Complaint, Fault};
 use super::event::Plane;
 use super::rules::{Meaning, RuleComplaint, Rules};
+use super::single::{leading, read_single};
 use super::state::{Distance, FeedMode, MotionMode, Retract, Units};
 use super::word::{Word, Words};
 
@@ -106,6 +107,17 @@ impl Block {
     #[inline]
     pub fn get(&self, letter: u8) -> Option<f64> {
         self.has(letter).then(|| self.value(letter))
+    }
+
+    /// Takes the values of lengths and speeds as the firmware does, in single precision. `text` is the line the block came from.
+    pub fn take_single(&mut self, text: &str) {
+        for letter in self.letters.and(Letters::of(b"FIJKRSXYZ")).iter() {
+            let i = usize::from(letter - b'A');
+            let at = self.letter_at[i] as usize + 1;
+            if let Some(rest) = text.get(at..) {
+                self.values[i] = read_single(&leading(rest));
+            }
+        }
     }
 
     /// Where the letter stands.

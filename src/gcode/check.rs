@@ -129,6 +129,9 @@ pub(super) fn check(state: &State, block: &Block, line: Line) -> Result<Plan, Fa
         // The name of the program.
         unused.take(b"O");
     }
+    if rules.firmware && lacks_feed(state, block, jog) {
+        return Err(Fault::at(block.start, Complaint::FeedMissing));
+    }
     // The letter that tells a dwell's time tells nothing else: no feed, no speed, no axis.
     let waits = match block.non_modal == Some(NonModal::Dwell) {
         true => Some(dwell_of(block, rules)?),
@@ -148,7 +151,8 @@ pub(super) fn check(state: &State, block: &Block, line: Line) -> Result<Plan, Fa
         other => other,
     };
     let motion = match line {
-        Line::Jog => MotionMode::Linear,
+        // Other motions are looked through before they are refused.
+        Line::Jog => block.motion.unwrap_or(MotionMode::Linear),
         Line::Program => block.motion.unwrap_or(match state.motion {
             MotionMode::Cycle(_) if block.cycle_off => MotionMode::None,
             other => other,
@@ -161,7 +165,7 @@ pub(super) fn check(state: &State, block: &Block, line: Line) -> Result<Plan, Fa
     let mut feed_mode = block.feed_mode.unwrap_or(state.feed_mode);
     if jog {
         feed_mode = FeedMode::PerMinute;
-        if block.value(b'F') == 0.0 {
+        if !block.has(b'F') {
             return Err(Fault::at(block.start, Complaint::FeedMissing));
         }
     } else if feed_mode == FeedMode::InverseTime
@@ -426,7 +430,15 @@ pub(super) fn check(state: &State, block: &Block, line: Line) -> Result<Plan, Fa
             series = Some(kept);
             action = holes.map_or(Move::None, Move::Holes);
         }
-        _ if user == AxisUser::Motion || jog => {
+        // What no word asks for, the jog without axis words, is not asked for its feed either.
+        _ if jog && user == AxisUser::Nobody => {
+            action = Move::Straight {
+                kind: MotionKind::Feed,
+                to,
+                machine,
+            };
+        }
+        _ if user == AxisUser::Motion => {
             if feed_mode == FeedMode::PerTurn
                 && feed > 0.0
                 && rate == 0.0
@@ -443,7 +455,7 @@ pub(super) fn check(state: &State, block: &Block, line: Line) -> Result<Plan, Fa
                 start: &start,
                 to: &to,
                 machine,
-                moves: axes.any() || jog,
+                moves: axes.any(),
                 unused: &mut unused,
             })?;
         }
@@ -496,6 +508,18 @@ pub(super) fn check(state: &State, block: &Block, line: Line) -> Result<Plan, Fa
 }
 
 /// One letter as a set.
+/// GRBL asks for a feed before it asks for a dwell's time: a jog needs an F word, so does each cutting block in G93.
+fn lacks_feed(state: &State, block: &Block, jog: bool) -> bool {
+    let inverse = block.feed_mode.unwrap_or(state.feed_mode) == FeedMode::InverseTime;
+    let motion = block.motion.unwrap_or(state.motion);
+    let cuts = !matches!(motion, MotionMode::Rapid | MotionMode::None);
+    let moves = match block.axis_user {
+        AxisUser::Nobody => block.letters.and(AXES).any(),
+        user => user == AxisUser::Motion,
+    };
+    !block.has(b'F') && (jog || (inverse && cuts && moves))
+}
+
 fn single(letter: u8) -> Letters {
     let mut set = Letters::default();
     set.add(letter);
@@ -648,11 +672,16 @@ fn set_offset(
         let (command, word) = ("G10", "P (which offset) and an L (2 or 20)");
         return here(Complaint::ValueMissing { command, word });
     }
-    let number = block.value(b'P').trunc();
+    // The firmware keeps both numbers in a byte, which wraps.
+    let whole = |letter| match state.dialect.rules().firmware {
+        true => f64::from(block.value(letter) as u64 as u8),
+        false => block.value(letter).trunc(),
+    };
+    let number = whole(b'P');
     if number > 6.0 {
         return Err(Fault::at(block.at(b'P'), Complaint::WorkOffset { number }));
     }
-    let l = block.value(b'L').trunc();
+    let l = whole(b'L');
     if l != 2.0 && l != 20.0 {
         return here(Complaint::OffsetKind);
     }

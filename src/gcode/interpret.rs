@@ -67,9 +67,12 @@ pub(super) fn carry_out(
     {
         return Ok(());
     }
-    let Some(block) = block::gather(text, state.dialect)? else {
+    let Some(mut block) = block::gather(text, state.dialect)? else {
         return Ok(());
     };
+    if state.single {
+        block.take_single(text);
+    }
     let plan = check::check(state, &block, Line::Program)?;
     execute(state, &block, &plan, line, events);
     Ok(())
@@ -83,9 +86,12 @@ pub(super) fn carry_out(
 /// count as a missing feed.
 pub fn interpret_jog(state: &mut State, text: &str, line: usize) -> Result<Motion, InterpretError> {
     let read = || {
-        let Some(block) = block::gather(text, state.dialect)? else {
+        let Some(mut block) = block::gather(text, state.dialect)? else {
             return Err(Fault::at(0, Complaint::FeedMissing));
         };
+        if state.single {
+            block.take_single(text);
+        }
         check::check(state, &block, Line::Jog)
     };
     let plan = read().map_err(|fault: Fault| fault.locate(text, line))?;

@@ -41,6 +41,7 @@ mod parameter;
 pub mod program;
 pub mod rules;
 mod siemens;
+pub mod single;
 pub mod source;
 pub mod state;
 mod tongue;

@@ -166,6 +166,8 @@ pub struct State {
     pub local: bool,
     /// What G92.3 brings back.
     pub g92_kept: Vector,
+    /// Numbers are taken in GRBL's single precision, digit by digit: the simulated controller counts steps to the last one.
+    pub single: bool,
 }
 
 impl State {
@@ -206,6 +208,7 @@ impl State {
             rapid_feed: MmPerMin(0.0),
             local: false,
             g92_kept: Vector::zeros(),
+            single: false,
         }
     }
 
@@ -215,6 +218,7 @@ impl State {
         let mut fresh = State::new(self.dialect);
         (fresh.g5x, fresh.g28, fresh.g30) = (self.g5x, self.g28, self.g30);
         fresh.block_delete = self.block_delete;
+        fresh.single = self.single;
         fresh.further = std::mem::take(&mut self.further);
         *self = fresh;
         self.set_machine_position(&machine);

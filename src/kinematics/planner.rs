@@ -173,8 +173,9 @@ impl Planner {
 
     /// The nearest whole steps.
     pub fn steps_of_point(&self, p: &Point) -> [i64; 3] {
+        // In single precision, as the firmware counts: it decides where halves go.
         let steps = |i: usize| {
-            (p[i] * self.settings.steps_per_mm[i])
+            f64::from(p[i] as f32 * self.settings.steps_per_mm[i] as f32)
                 .round()
                 .clamp(-MOST_STEPS, MOST_STEPS) as i64
         };

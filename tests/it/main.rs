@@ -25,6 +25,7 @@ mod programs;
 mod round_trip;
 mod translations;
 
+mod builds;
 mod campaign;
 mod errand;
 mod fuzz;
