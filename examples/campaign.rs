@@ -9,6 +9,8 @@
 
 #[path = "../tests/it/campaign/mod.rs"]
 mod campaign;
+#[path = "../tests/it/chance.rs"]
+mod chance;
 
 use clap::Parser;
 use std::io::Write as _;
@@ -26,6 +28,9 @@ struct Args {
     /// Run the one case of this seed (as a failure names it) and show its conversation.
     #[arg(long)]
     only: Option<u64>,
+    /// With --only: the seed is one of those that were found with the first fifteen classes of faults.
+    #[arg(long)]
+    first: bool,
     /// Failures shown.
     #[arg(long, default_value_t = 10)]
     show: usize,
@@ -35,7 +40,11 @@ fn main() -> ExitCode {
     let args = Args::parse();
     let mut out = std::io::stdout().lock();
     if let Some(seed) = args.only {
-        let (text, code) = match campaign::case::case(seed, true) {
+        let run = match args.first {
+            true => campaign::case::first_case,
+            false => campaign::case::case,
+        };
+        let (text, code) = match run(seed, true) {
             Ok(v) => (
                 format!("{}\n{:?}: {}", v.log.join("\n"), v.class, v.ending),
                 ExitCode::SUCCESS,

@@ -136,9 +136,12 @@ impl Recorder {
 impl Controller {
     /// Puts the zero of the work system G54 at a place of the machine, mm, as an operator does who touches the part off.
     pub fn set_work_zero(&mut self, machine: &Point) {
+        // Nothing moves: the machine stands where it stood, and its work position is another.
+        let here = self.parser.machine_position();
         if let Some(g54) = self.parser.g5x.first_mut() {
             *g54 = machine.coords;
         }
+        self.parser.set_machine_position(&here);
         self.refresh_offset();
     }
 }

@@ -331,9 +331,10 @@ impl Introduction {
             Phase::Ended(_) => return,
             Phase::Greeting => {
                 if now.saturating_sub(self.since) > WELCOME_WAIT {
-                    // No greeting: the controller may not have been reset by opening. An empty line ends whatever half line is
-                    // in its buffer; its `ok` is not an answer to us.
-                    self.out.push(b'\n');
+                    // No greeting: the controller may not have been reset by opening, and half a line of a sender that was killed
+                    // may be in its buffer. A line end alone would have it run, cut short (`X1` of `X12.5`). With a `$` no half
+                    // line is legal; alone it asks for help, and its `ok` is not an answer to us.
+                    self.out.extend_from_slice(b"$\n");
                     self.swallow = 1;
                     self.enter(Phase::Asking, now);
                 }

@@ -2,6 +2,7 @@
 
 use super::job::Unreadable;
 use super::stream::StreamError;
+use super::watch::OffPath;
 use crate::wire::Firmware;
 use std::fmt;
 
@@ -55,6 +56,8 @@ pub enum Ending {
         /// Where the controller says it is, mm.
         reported: [f64; 3],
     },
+    /// Reports place the machine beside the way of the lines it was sent.
+    OffPath(OffPath),
     /// Something came back that no controller says: bytes are damaged on the cable.
     Damaged {
         /// What came.
@@ -86,6 +89,7 @@ impl Ending {
             Ending::LostReply { .. } => "error reply lost".to_string(),
             Ending::ControllerReset => "error controller reset".to_string(),
             Ending::Elsewhere { .. } => "error wrong end position".to_string(),
+            Ending::OffPath(_) => "error off path".to_string(),
             Ending::Damaged { .. } => "error damaged reply".to_string(),
             Ending::StateLost { .. } => "error state".to_string(),
             Ending::Unreadable(_) => "error program changed".to_string(),
@@ -145,6 +149,7 @@ impl fmt::Display for Ending {
                  bytes were damaged on the way, or the work zero changed. Check the part before going on",
                 r[0], r[1], r[2], e[0], e[1], e[2]
             ),
+            Ending::OffPath(off) => off.fmt(f),
             Ending::Damaged { text } => write!(
                 f,
                 "the controller's replies are damaged ({text:?}), so nobody can tell what it received: check the cable and its \

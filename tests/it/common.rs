@@ -2,6 +2,7 @@
 //! from a printed seed. The geometry here is written anew on purpose: it must not share a mistake with what it judges.
 #![allow(dead_code, clippy::unwrap_used)]
 
+pub use super::chance::Chance;
 use morsemill::geom::{Point, Point2, Vector};
 use morsemill::part::{Mesh, Units, load};
 use std::path::PathBuf;
@@ -75,25 +76,6 @@ impl<T> Shelf<T> {
         let cell = Arc::new(OnceLock::new());
         shelf.push((key.to_string(), cell.clone()));
         cell
-    }
-}
-
-/// A small generator (SplitMix64): the same numbers on every machine; tests print its seed when they fail.
-#[derive(Clone, Debug)]
-pub struct Chance(pub u64);
-
-impl Chance {
-    pub fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    /// Evenly between two numbers.
-    pub fn between(&mut self, lo: f64, hi: f64) -> f64 {
-        lo + (hi - lo) * (self.next() >> 11) as f64 / (1u64 << 53) as f64
     }
 }
 

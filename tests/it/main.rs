@@ -1,6 +1,7 @@
 //! Integration tests, one binary; modules in reading order: what they share, the laws of each stage from part to program, the dry run,
 //! the cable, what is refused, and the whole story through the binary.
 
+mod chance;
 mod common;
 mod plans;
 

@@ -7,8 +7,10 @@
 use crate::cli::Failure;
 use crate::cli::program_file::ProgramFile;
 use crate::gcode::Dialect;
-use crate::link::journal::{Begin, Damage, FORMAT, History, Offsets, Start, read};
-use crate::link::resume::{Now, Overlap, Plan, ResumeOptions, Trust, from_line, resume};
+use crate::link::journal::{Begin, Damage, FORMAT, History, JournalFile, Offsets, Start, read};
+use crate::link::resume::{
+    Now, Overlap, Plan, ResumeOptions, Trust, from_line, may_lack_the_last, resume,
+};
 use crate::link::vet::{self, VetOptions};
 use crate::link::{Job, Known};
 use crate::machine::Machine;
@@ -48,7 +50,7 @@ pub struct ResumeArgs {
     /// Your word that position, work zero and part are right, whatever the journal says
     #[arg(long)]
     pub trust_position: bool,
-    /// Do not ask
+    /// Do not ask: the part is clamped where it was, and the tool is the one of the plan
     #[arg(long)]
     pub yes: bool,
 }
@@ -125,6 +127,12 @@ pub fn look(path: &Path) -> Result<Found, Failure> {
         Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(Found::Nothing),
         Err(e) => return Err(unreadable(e)),
     };
+    if JournalFile::in_use(path).map_err(unreadable)? {
+        return Err(Failure::Rejected(format!(
+            "{}: another morsemill is sending this job and writes this journal now: wait until it ends, or stop it",
+            path.display()
+        )));
+    }
     let history = read(BufReader::new(file)).map_err(unreadable)?;
     Ok(match history.done {
         true => Found::Finished,
@@ -135,7 +143,8 @@ pub fn look(path: &Path) -> Result<Found, Failure> {
 /// Old journals kept beside the new one.
 const KEPT: u32 = 9;
 
-/// Sets a journal aside: `.1` is the newest. Nothing there is fine.
+/// Sets a journal aside: `.1` is the newest. It stays where it is too, until the next takes its place: whoever is killed in between
+/// leaves a journal to resume by. Nothing there is fine.
 ///
 /// # Errors
 /// The files cannot be renamed.
@@ -158,7 +167,21 @@ pub fn set_aside(path: &Path) -> Result<(), Failure> {
     for n in (1..KEPT).rev() {
         rename(&numbered(n), &numbered(n + 1))?;
     }
-    rename(path, &numbered(1))
+    // A second name; where a file system has none for it, a copy.
+    let kept = std::fs::hard_link(path, numbered(1))
+        .or_else(|_| std::fs::copy(path, numbered(1)).map(|_| ()));
+    kept.map_err(|e| {
+        Failure::Failed(format!(
+            "{}: cannot set the old journal aside: {e}",
+            path.display()
+        ))
+    })
+}
+
+/// False when what is missing may have told that something was sent.
+fn is_sound(history: &History) -> bool {
+    let lacking = |begin| may_lack_the_last(begin, history, boot().as_deref());
+    !matches!(history.damage, Damage::Broken { .. }) && !history.begin.as_ref().is_some_and(lacking)
 }
 
 /// A job that begins at its first line must not bury a broken one: makes room for its journal.
@@ -168,8 +191,12 @@ pub fn set_aside(path: &Path) -> Result<(), Failure> {
 pub fn make_room(path: &Path, discard: bool) -> Result<(), Failure> {
     if let Found::Unfinished(history) = look(path)?
         && !discard
-        && history.sent.max(history.allowed) > 0
+        && (history.sent.max(history.allowed) > 0 || !is_sound(&history))
     {
+        if let Some(format) = history.foreign {
+            let why = crate::link::resume::Refusal::OtherFormat(format);
+            return Err(Failure::Rejected(format!("{}: {why}", path.display())));
+        }
         let lines = history.begin.as_ref().map_or(0, |b| b.lines);
         return Err(Failure::Rejected(format!(
             "{}: a job of this program was broken after line {} of {lines} was answered ({}): take it up with --resume, or begin afresh with --discard-journal",
@@ -375,7 +402,9 @@ pub fn ask(yes: bool) -> Result<(), Failure> {
             "nothing was sent: look at the plan above and say --yes to carry it out".to_string(),
         ));
     }
-    crate::cli::output::say("go on? Type yes and Enter:");
+    crate::cli::output::say(
+        "go on? Only if the part is clamped where it was and this is the tool: type yes and Enter:",
+    );
     let mut line = String::new();
     let read = io::stdin().lock().read_line(&mut line);
     match read.is_ok() && line.trim().eq_ignore_ascii_case("yes") {

@@ -22,6 +22,7 @@ fn journal(end: Option<bool>) -> Vec<u8> {
             done,
             position_kept: true,
             at_rest: true,
+            cable_sound: true,
         };
         w.note(end, Duration::ZERO);
     }
@@ -57,7 +58,9 @@ fn a_finished_journal_is_set_aside_and_an_unfinished_one_is_not_buried() {
             .and_then(|mut f| io::Write::write_all(&mut f, format!("{n}").as_bytes()))
             .unwrap();
         make_room(&path, false).unwrap();
-        assert!(!path.exists());
+        // Until the next takes its place, in one step.
+        assert!(path.exists());
+        std::fs::remove_file(&path).unwrap();
     }
     let kept = std::fs::read_dir(dir.path()).unwrap().count();
     assert_eq!(kept, 9);
@@ -78,7 +81,30 @@ fn a_finished_journal_is_set_aside_and_an_unfinished_one_is_not_buried() {
     assert!(text_of(make_room(&path, false).unwrap_err()).contains("(ALARM:1)"));
     assert!(path.exists());
     make_room(&path, true).unwrap();
-    assert!(!path.exists());
+    let set_aside = std::fs::read(dir.path().join("part.nc.journal.1")).unwrap();
+    assert_eq!(set_aside, journal(Some(false)));
+
+    // One that was spoilt from its first line on tells nothing, which is not to say that nothing was sent.
+    std::fs::write(&path, b"0 00000000 {}\n").unwrap();
+    let e = text_of(make_room(&path, false).unwrap_err());
+    assert!(e.contains("--discard-journal"), "{e}");
+    let mut other = Writer::new();
+    let begin = Begin {
+        format: FORMAT + 7,
+        ..Begin::default()
+    };
+    other.note(Record::Begin(Box::new(begin)), Duration::ZERO);
+    std::fs::write(&path, other.take()).unwrap();
+    let e = text_of(make_room(&path, false).unwrap_err());
+    assert!(
+        e.contains("written in format 8, and this program reads format 1"),
+        "{e}"
+    );
+
+    // One that is being written is left alone.
+    let _writing = JournalFile::create(&path, &journal(None)).unwrap();
+    let e = text_of(make_room(&path, true).unwrap_err());
+    assert!(e.contains("another morsemill is sending this job"), "{e}");
 }
 
 #[test]

@@ -2,7 +2,9 @@
 
 use super::{Job, JobLine, JobReader};
 use crate::gcode::source::Source;
-use crate::link::vet::Preparer;
+use crate::gcode::{Event, State};
+use crate::geom::{Point, Vector};
+use crate::link::vet::{JobError, Preparer};
 use sha2::{Digest as _, Sha256};
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -65,7 +67,7 @@ impl Chunks {
 }
 
 /// Why the program cannot be read on while it is sent.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Unreadable {
     /// It is not what was vetted.
     #[error(
@@ -78,6 +80,9 @@ pub enum Unreadable {
     /// Reading failed.
     #[error("the program cannot be read on: {0}")]
     Failed(String),
+    /// Behind a probe or a tool change the machine stands elsewhere than the check could know, and from there the line cannot be run.
+    #[error("as the machine stands now, line {0}")]
+    Impossible(Box<JobError>),
 }
 
 /// The lines of a vetted job, one after the other.
@@ -104,7 +109,7 @@ impl JobLines {
         // The entry was vetted; carried out again it brings the preparer to where the program begins.
         for text in &job.options.entry {
             let line = preparer.prepare(text, 0, &mut |_| {});
-            line.map_err(|_| Unreadable::Changed { line: 0 })?;
+            line.map_err(|e| Unreadable::Impossible(Box::new(e)))?;
         }
         Ok(JobLines {
             chunks: Chunks::new(from, job.options.first_line).map_err(failed)?,
@@ -124,7 +129,8 @@ impl JobLines {
                 match self.preparer.prepare(&text, number, &mut |_| {}) {
                     Ok(Some(line)) => return Ok(Some(line)),
                     Ok(None) => {}
-                    Err(_) => return Err(Unreadable::Changed { line: number }),
+                    // The text is the one that was vetted; what differs is where the machine stands.
+                    Err(e) => return Err(Unreadable::Impossible(Box::new(e))),
                 }
             }
             let line = self.chunks.read + 1;
@@ -144,7 +150,18 @@ impl JobLines {
     }
 
     /// What the controller remembers once it has carried out the line handed out last.
-    pub fn state(&self) -> &crate::gcode::State {
+    pub fn state(&self) -> &State {
         self.preparer.state()
+    }
+
+    /// What the line handed out last tells the machine.
+    pub fn events(&self) -> &[Event] {
+        self.preparer.events()
+    }
+
+    /// Behind a probe or a tool change: the machine stands at `machine`, and the active work zero lies at `work_zero`, machine
+    /// coordinates, mm. The lines that follow are read from there.
+    pub fn stands_at(&mut self, machine: &Point, work_zero: Option<Vector>) {
+        self.preparer.stands_at(machine, work_zero);
     }
 }

@@ -2,6 +2,7 @@
 
 use super::reader::Damage;
 use super::record::{Begin, FORMAT, Record, Stamped, ToolChange};
+use crate::wire::State;
 
 /// Why the machine may not be where the job left it, or the part not as the program would have it.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,6 +15,8 @@ pub enum Doubt {
     NotKept(String),
     /// The journal is damaged: what is missing may have been any of these.
     Damaged,
+    /// Bytes were damaged on the cable, and lines may have been carried out as others; how the job ended.
+    Cable(String),
     /// The controller refused a line and may have run some behind it with the wrong modes.
     Refused {
         /// Line of the program.
@@ -26,7 +29,7 @@ pub enum Doubt {
 impl Doubt {
     /// True when homing takes it away: it is about the position and not about the part.
     pub fn ends_with_homing(&self) -> bool {
-        !matches!(self, Doubt::Refused { .. })
+        !matches!(self, Doubt::Refused { .. } | Doubt::Cable(_))
     }
 }
 
@@ -43,6 +46,10 @@ impl std::fmt::Display for Doubt {
             Doubt::Damaged => f.write_str(
                 "the journal is damaged, and an alarm or a reset may be missing from it",
             ),
+            Doubt::Cable(how) => write!(
+                f,
+                "bytes were damaged on the cable, so lines may have been cut as others: inspect the part ({how})"
+            ),
             Doubt::Refused { line, code } => write!(
                 f,
                 "the controller refused line {line} with error:{code} and may have run the lines behind it in the wrong mode: inspect the part"
@@ -51,8 +58,19 @@ impl std::fmt::Display for Doubt {
     }
 }
 
+/// Where the machine was seen.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sighting {
+    /// State as the controller spells it.
+    pub state: String,
+    /// Machine position, mm.
+    pub machine: [f64; 3],
+    /// Last line that was answered before.
+    pub acknowledged: usize,
+}
+
 /// What a journal tells, added up. Lines count from 1, 0: none.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct History {
     /// Which job; `None` when not even that was written.
     pub begin: Option<Begin>,
@@ -62,8 +80,8 @@ pub struct History {
     pub sent: usize,
     /// Last line that may have been sent.
     pub allowed: usize,
-    /// Last machine position reported, mm, and the state then.
-    pub last_report: Option<(String, [f64; 3])>,
+    /// Where the machine was seen last.
+    pub seen: Option<Sighting>,
     /// Tool changes that were finished, in order.
     pub tool_changes: Vec<ToolChange>,
     /// Reasons for distrust.
@@ -82,6 +100,33 @@ pub struct History {
     pub records: u64,
     /// What is wrong with the bytes.
     pub damage: Damage,
+    /// The version of its format, if that is one that this program does not read.
+    pub foreign: Option<u32>,
+    /// False when bytes were damaged on the cable: answers may be made up.
+    pub cable_sound: bool,
+}
+
+impl Default for History {
+    fn default() -> History {
+        History {
+            begin: None,
+            acknowledged: 0,
+            sent: 0,
+            allowed: 0,
+            seen: None,
+            tool_changes: Vec::new(),
+            doubts: Vec::new(),
+            end: None,
+            done: false,
+            at_rest: false,
+            stopping: None,
+            seconds: 0.0,
+            records: 0,
+            damage: Damage::None,
+            foreign: None,
+            cable_sound: true,
+        }
+    }
 }
 
 /// Tool changes and doubts kept of a journal: more mean that it is not one of ours.
@@ -112,7 +157,11 @@ impl History {
             Record::Sent { line } => self.sent = self.sent.max(*line),
             Record::Acknowledged { line } => self.acknowledged = self.acknowledged.max(*line),
             Record::Report { state, machine, .. } => {
-                self.last_report = Some((state.clone(), *machine));
+                self.seen = Some(Sighting {
+                    state: state.clone(),
+                    machine: *machine,
+                    acknowledged: self.acknowledged,
+                });
             }
             Record::ToolChange(change) => {
                 if self.tool_changes.len() >= MOST {
@@ -137,12 +186,17 @@ impl History {
                 done,
                 position_kept,
                 at_rest,
+                cable_sound,
             } => {
                 self.at_rest = *at_rest;
                 self.end = Some(how.clone());
                 self.done = *done;
+                self.cable_sound = *cable_sound;
                 if !position_kept {
                     self.doubt(Doubt::NotKept(how.clone()));
+                }
+                if !cable_sound {
+                    self.doubt(Doubt::Cable(how.clone()));
                 }
             }
             Record::Hold { .. } | Record::Resume | Record::Override { .. } => {}
@@ -156,6 +210,12 @@ impl History {
         if self.doubts.len() < MOST && !self.doubts.contains(&doubt) {
             self.doubts.push(doubt);
         }
+    }
+
+    /// Where the sender saw the machine come to rest, if it told that and nothing came behind it.
+    pub fn rest(&self) -> Option<&Sighting> {
+        let at_rest = |s: &&Sighting| State::parse(&s.state).at_rest();
+        self.seen.as_ref().filter(at_rest).filter(|_| self.at_rest)
     }
 
     /// All reasons for distrust, a damaged journal among them.

@@ -207,6 +207,10 @@ impl Keeper {
                 done: outcome.ending == Ending::Done,
                 position_kept: outcome.position_kept || cable_only(outcome),
                 at_rest: !cable_only(outcome),
+                cable_sound: !matches!(
+                    outcome.ending,
+                    Ending::Damaged { .. } | Ending::OffPath(_) | Ending::Elsewhere { .. }
+                ),
             },
             now,
         );

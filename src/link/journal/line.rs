@@ -17,6 +17,13 @@ pub(super) fn encode(number: u64, record: &Stamped, into: &mut Vec<u8>) {
 
 /// Reads a line (without its end): its number and what it says. `None`: not a line that [`encode`] wrote.
 pub(super) fn decode(line: &[u8]) -> Option<(u64, Stamped)> {
+    let (number, json) = proven(line)?;
+    let record: Stamped = serde_json::from_str(json).ok()?;
+    Some((number, record))
+}
+
+/// Number and JSON of a line whose checksum is right.
+fn proven(line: &[u8]) -> Option<(u64, &str)> {
     let text = std::str::from_utf8(line).ok()?;
     let (number, rest) = text.split_once(' ')?;
     let (sum, json) = rest.split_once(' ')?;
@@ -24,8 +31,16 @@ pub(super) fn decode(line: &[u8]) -> Option<(u64, Stamped)> {
     if sum.len() != 8 || u32::from_str_radix(sum, 16).ok()? != checksum(number, json) {
         return None;
     }
-    let record: Stamped = serde_json::from_str(json).ok()?;
-    Some((number, record))
+    Some((number, json))
+}
+
+/// The version that a first line tells, whatever else stands in it: a later one may tell more, or otherwise.
+pub(super) fn format_of(line: &[u8]) -> Option<u32> {
+    let (number, json) = proven(line)?;
+    let value: serde_json::Value = serde_json::from_str(json).ok()?;
+    let begins = number == 0 && value.get("event")?.as_str()? == "begin";
+    let format = value.get("format")?.as_u64()?;
+    begins.then_some(u32::try_from(format).ok()?)
 }
 
 fn checksum(number: u64, json: &str) -> u32 {

@@ -35,7 +35,7 @@ mod writer;
 
 pub use allowance::Allowance;
 pub use file::{JournalFile, SYNC_GAP};
-pub use history::{Doubt, History};
+pub use history::{Doubt, History, Sighting};
 pub use keeper::{Keeper, Turn};
 pub use reader::{Damage, read};
 pub use record::{

@@ -3,7 +3,8 @@
 //! A record counts only if it is whole, proves itself by its checksum, bears the next number, and was not preceded by one that does not.
 
 use super::history::History;
-use super::line::{LONGEST, decode};
+use super::line::{LONGEST, decode, format_of};
+use super::record::FORMAT;
 use std::io::{self, BufRead, Read as _};
 
 /// What is wrong with a journal's bytes.
@@ -12,10 +13,10 @@ pub enum Damage {
     /// Nothing.
     #[default]
     None,
-    /// The last record was being written when the sender was killed: so many bytes were cut off. Nothing depends on them: what a record
-    /// allows is done only after it is whole.
+    /// The last record was being written when the sender was killed: so many bytes are not whole. Nothing depends on them: what a record
+    /// allows is done only after it is whole, and one that lacks only its line end is believed.
     Torn {
-        /// Bytes cut off.
+        /// Bytes of it.
         bytes: u64,
     },
     /// Behind the last record stand only zero bytes, as a file system leaves them when the computer lost its power.
@@ -41,15 +42,28 @@ pub fn read(mut from: impl BufRead) -> io::Result<History> {
     let mut line = Vec::new();
     let mut number = 0;
     while next(&mut from, &mut line)? {
-        let whole = line.strip_suffix(b"\n").and_then(decode);
-        match whole {
-            Some((n, record)) if n == number && history.take(&record) => number += 1,
-            _ => {
-                let bad = std::mem::take(&mut line);
-                history.damage = assess(&mut from, &bad, number)?;
-                break;
-            }
+        let ended = line.strip_suffix(b"\n");
+        if let Some((n, record)) = ended.and_then(decode)
+            && n == number
+            && history.take(&record)
+        {
+            number += 1;
+            continue;
         }
+        if number == 0 {
+            history.foreign = ended.and_then(format_of).filter(|f| *f != FORMAT);
+        }
+        let bad = std::mem::take(&mut line);
+        history.damage = assess(&mut from, &bad, number)?;
+        // The last record may lack nothing but its end, or that alone is spoilt: what it allows may have been done.
+        let last = [bad.as_slice(), bad.get(..bad.len() - 1).unwrap_or_default()];
+        if matches!(history.damage, Damage::Torn { .. })
+            && let Some((n, record)) = last.iter().find_map(|l| decode(l))
+            && n == number
+        {
+            history.take(&record);
+        }
+        break;
     }
     Ok(history)
 }

@@ -164,7 +164,15 @@ pub enum Record {
         position_kept: bool,
         /// The machine was seen at rest; otherwise it ran on until it had done all it was sent.
         at_rest: bool,
+        /// False when bytes were damaged on the cable: lines may have been carried out as others, and answers may be made up. (Journals
+        /// from before this was told have none.)
+        #[serde(default = "sound")]
+        cable_sound: bool,
     },
+}
+
+fn sound() -> bool {
+    true
 }
 
 impl Record {

@@ -192,6 +192,7 @@ mod tests {
                 done: true,
                 position_kept: true,
                 at_rest: true,
+                cable_sound: true,
             },
             ms(6000),
         );

@@ -1,7 +1,7 @@
 //! One gentle question: is there a controller of GRBL's family at the other end, and which?
 //!
 //! A value without I/O or clock: bytes and seconds since the port was opened go in, bytes to write come out. It listens for the greeting
-//! first, because opening most boards restarts them and a boot loader would swallow what is said meanwhile; then it ends a line that
+//! first, because opening most boards restarts them and a boot loader would swallow what is said meanwhile; then it spoils a line that
 //! may stand half-written and asks for a report; a machine at rest is asked for its version. It never resets (0x18) and never resumes:
 //! whatever runs there goes on running.
 
@@ -109,7 +109,7 @@ impl Inquiry {
                 Reply::Version(version) => {
                     self.found.version = Some(version.trim_end_matches(':').to_string());
                 }
-                // The answer to the empty line came before; this is the one to `$I`.
+                // The answer to the lone `$` came before; this is the one to `$I`.
                 Reply::Ok | Reply::Error(_)
                     if self.phase == Phase::Version && self.found.version.is_some() =>
                 {
@@ -127,8 +127,8 @@ impl Inquiry {
         }
         match self.phase {
             Phase::Greeting => {
-                // Ends whatever stands half-written in its line buffer; on its own it does nothing.
-                self.out.push(b'\n');
+                // Whatever stands half-written in its line buffer becomes a line that is refused; alone it asks for help.
+                self.out.extend_from_slice(b"$\n");
                 self.ask_report(now);
             }
             Phase::Report | Phase::Version => self.phase = Phase::Done,
@@ -190,13 +190,13 @@ mod tests {
     #[test]
     fn one_that_runs_a_job_is_left_alone() {
         let (found, time, written) = ask(|asked, _| match asked {
-            b"\n?" => b"ok\r\n<Run|MPos:1.000,0.000,0.000|FS:600,0>\r\n".to_vec(),
+            b"$\n?" => b"ok\r\n<Run|MPos:1.000,0.000,0.000|FS:600,0>\r\n".to_vec(),
             _ => Vec::new(),
         });
         assert_eq!(found.to_string(), "Run");
         assert!(found.is_grbl());
         assert!((2.4..2.6).contains(&time), "{time}");
-        assert_eq!(written, b"\n?");
+        assert_eq!(written, b"$\n?");
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use super::refusal::Refusal;
 use super::text::ProgramText;
-use super::walk::{Program, lines};
+use super::walk::{Program, Walk, lines};
 use super::zones::Zones;
 use crate::gcode::State;
 use crate::geom::{Point, Vector, nearest_on_segment};
@@ -122,7 +122,7 @@ pub enum Evidence {
 }
 
 /// How near a reported place must be, mm: rounding of reports and of whole steps, and arcs cut as chords.
-const NEAR: f64 = 0.05;
+pub(super) const NEAR: f64 = 0.05;
 /// How well offsets must agree, mm: reports have three decimals, four in inch.
 const SAME: f64 = 0.002;
 
@@ -230,10 +230,17 @@ pub(super) fn position(
     if homed {
         return Ok(Evidence::Homed);
     }
-    let distance = from_path(text, begin, history, zones, &Point::from(place))?;
-    match distance <= NEAR {
-        true => Ok(Evidence::OnPath),
-        false => Err(Refusal::Elsewhere { place, distance }),
+    let mut distance = from_path(text, begin, history, zones, &Point::from(place))?;
+    if let Some(rest) = history.rest() {
+        // It was seen to stop: there it stands, or it was moved.
+        distance = distance.max((Point::from(rest.machine) - Point::from(place)).norm());
+    }
+    if distance > NEAR {
+        return Err(Refusal::Elsewhere { place, distance });
+    }
+    match place == [0.0; 3] {
+        true => Err(Refusal::PowerOn),
+        false => Ok(Evidence::OnPath),
     }
 }
 
@@ -265,28 +272,31 @@ fn from_path(
         if line < zones.first {
             continue;
         }
-        let (motions, shift) = walk.motions();
-        let mut found = false;
-        for m in motions {
-            found = true;
-            let mut from = m.from + shift;
-            let mut go = |to: Point| {
-                let d = (nearest_on_segment(place, &from, &to) - place).norm();
-                nearest = nearest.min(d);
-                from = to;
-            };
-            match &m.arc {
-                None => go(m.to + shift),
-                Some(arc) => {
-                    chords(&m.from, &m.to, arc, Mm(NEAR / 10.0)).for_each(|p| go(p + shift))
-                }
-            }
-        }
-        if !found {
-            nearest = nearest.min((walk.state().machine_position() - place).norm());
-        }
+        nearest = nearest.min(near_way(&walk, place));
     }
     Ok(nearest)
+}
+
+/// How far a machine position is from the way of the line read last, mm; of one that does not move, from where the machine stands then.
+pub(super) fn near_way(walk: &Walk, place: &Point) -> f64 {
+    let (motions, shift) = walk.motions();
+    let mut nearest = f64::INFINITY;
+    for m in motions {
+        let mut from = m.from + shift;
+        let mut go = |to: Point| {
+            let d = (nearest_on_segment(place, &from, &to) - place).norm();
+            nearest = nearest.min(d);
+            from = to;
+        };
+        match &m.arc {
+            None => go(m.to + shift),
+            Some(arc) => chords(&m.from, &m.to, arc, Mm(NEAR / 10.0)).for_each(|p| go(p + shift)),
+        }
+    }
+    match nearest.is_finite() {
+        true => nearest,
+        false => (walk.state().machine_position() - place).norm(),
+    }
 }
 
 /// The stored offsets are those that the job had where it broke, or the operator answers for them; how far each work zero was moved since.

@@ -13,6 +13,8 @@ pub struct HeadOptions {
     pub plunge: f64,
     /// Time for the spindle to come to speed, s.
     pub spin_up_s: f64,
+    /// The spindle is a laser (`$32`): it needs no time, meets nothing on the way down, and would burn a hole where it stands.
+    pub laser: bool,
 }
 
 /// The lines that bring a machine that was just reset to the state of `entry`: all modes but G2 and G3,
@@ -22,7 +24,8 @@ pub struct HeadOptions {
 /// - all modes are set before anything moves, so startup lines and leftovers of the controller do not matter;
 /// - the lift is in machine coordinates, which no offset can bend, and comes before any other motion;
 /// - G92 and tool length are gone after a reset; they are set again over the entry, where the place was commanded and is known exactly;
-/// - the plunge is at feed: nobody can tell what stands below.
+/// - the plunge is at feed: nobody can tell what stands below;
+/// - a laser comes on last, when the program goes on at once: with G1 in force M3 makes it burn where it stands (GRBL v1.1 Laser Mode).
 pub fn head(entry: &Entry, options: &HeadOptions) -> Vec<String> {
     let s = &entry.state;
     let system = s.work_offset.min(5);
@@ -53,9 +56,10 @@ pub fn head(entry: &Entry, options: &HeadOptions) -> Vec<String> {
         ));
     }
     lines.push(word('S', s.speed.0));
-    if s.spindle != 0 {
-        lines.push(if s.spindle > 0 { "M3" } else { "M4" }.to_string());
-        if options.spin_up_s > 0.0 {
+    let on = (s.spindle != 0).then(|| if s.spindle > 0 { "M3" } else { "M4" }.to_string());
+    if !options.laser {
+        lines.extend(on.clone());
+        if on.is_some() && options.spin_up_s > 0.0 {
             lines.push(format!("G4{}", word('P', options.spin_up_s)));
         }
     }
@@ -65,12 +69,15 @@ pub fn head(entry: &Entry, options: &HeadOptions) -> Vec<String> {
     if s.flood {
         lines.push("M8".to_string());
     }
-    lines.push(format!(
-        "G1{}{}",
-        word('Z', s.position.z),
-        word('F', options.plunge)
-    ));
+    let (depth, feed) = (word('Z', s.position.z), word('F', options.plunge));
+    match options.laser {
+        true => lines.extend([format!("G0{depth}"), format!("G1{feed}")]),
+        false => lines.push(format!("G1{depth}{feed}")),
+    }
     lines.extend(modes(s));
+    if options.laser {
+        lines.extend(on);
+    }
     lines
 }
 

@@ -53,4 +53,4 @@ pub use prove::{Proof, prove};
 pub use refusal::Refusal;
 pub use text::ProgramText;
 pub use walk::{Program, Walk};
-pub use zones::{Zones, zones};
+pub use zones::{Zones, may_lack_the_last, zones};

@@ -135,7 +135,11 @@ pub fn resume<T: ProgramText + ?Sized>(
     options: &ResumeOptions,
 ) -> Result<Plan, Refusal> {
     let text: &dyn ProgramText = &text;
-    let begin = history.begin.as_ref().ok_or(Refusal::Empty)?;
+    let begin = match (&history.begin, history.foreign) {
+        (Some(begin), _) => begin,
+        (None, Some(format)) => return Err(Refusal::OtherFormat(format)),
+        (None, None) => return Err(Refusal::Empty),
+    };
     if history.done {
         return Err(Refusal::Finished);
     }
@@ -301,6 +305,7 @@ fn plan(
         safe_z,
         plunge: plunge.unwrap_or(CAREFUL),
         spin_up_s: options.spin_up_s.clamp(0.0, 600.0),
+        laser: now.setting(32).is_some_and(|on| on != 0.0),
     };
     if entry.state.spindle == 0 {
         notes.push("the spindle is off at the entry, as the program has it there".to_string());

@@ -11,6 +11,12 @@ pub enum Refusal {
         "the journal does not even tell which job it is of: begin the job afresh with --discard-journal"
     )]
     Empty,
+    /// A journal of another version of this program.
+    #[error(
+        "the journal is written in format {0}, and this program reads format {format}: resume with the version of morsemill that began the job, or \
+         begin it afresh with --discard-journal", format = crate::link::journal::FORMAT
+    )]
+    OtherFormat(u32),
     /// The job was finished.
     #[error("the job was carried out to its end: there is nothing to resume")]
     Finished,
@@ -83,6 +89,12 @@ pub enum Refusal {
         /// From the nearest place of the path, mm.
         distance: f64,
     },
+    /// It stands where a controller believes to stand that was just switched on.
+    #[error(
+        "the machine says it stands at machine zero. The job can have stopped there, but a controller that was switched off since would say so wherever \
+         the tool is: home it (`morsemill home`), or, if you know that it never lost power, say --trust-position"
+    )]
+    PowerOn,
     /// Work offsets differ.
     #[error(
         "{name} was X{:.3} Y{:.3} Z{:.3} when the job broke and is X{:.3} Y{:.3} Z{:.3} now: set it back, or, if you set the zero on the part \

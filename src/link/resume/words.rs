@@ -41,6 +41,12 @@ impl fmt::Display for Plan {
         let s = &self.entry.state;
         match s.spindle {
             0 => writeln!(f, "  spindle          off")?,
+            d if self.way.laser => writeln!(
+                f,
+                "  laser            {} S{}, last of all",
+                if d > 0 { "M3" } else { "M4" },
+                s.speed.0
+            )?,
             d => writeln!(
                 f,
                 "  spindle          {} {} rpm, {} s to come to speed",
@@ -59,11 +65,14 @@ impl fmt::Display for Plan {
                 (false, false) => "off",
             }
         )?;
-        writeln!(
-            f,
-            "  plunge to        Z{z:.3} at {:.0} mm/min",
-            self.way.plunge
-        )?;
+        match self.way.laser {
+            true => writeln!(f, "  down to          Z{z:.3}")?,
+            false => writeln!(
+                f,
+                "  plunge to        Z{z:.3} at {:.0} mm/min",
+                self.way.plunge
+            )?,
+        }
         write!(f, "modes:            ")?;
         let plane = match s.plane {
             Plane::Xy => "G17",

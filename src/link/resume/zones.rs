@@ -1,11 +1,13 @@
 //! The three zones: surely cut, maybe cut, not sent. The drawing stands in the head of [`super`].
 
 use super::blocks::Counter;
+use super::check::{NEAR, near_way};
 use super::refusal::Refusal;
 use super::text::ProgramText;
 use super::walk::{Program, sent, unreadable};
 use crate::gcode::Event;
 use crate::gcode::source::Source;
+use crate::geom::Point;
 use crate::link::journal::{Begin, Damage, Doubt, History, SYNC_GAP};
 use std::collections::VecDeque;
 
@@ -63,27 +65,31 @@ pub fn zones<T: ProgramText + ?Sized>(
         (Some(_), _) => sent,
         (None, _) => sent.max(history.allowed),
     };
+    if may_lack_the_last(begin, history, boot) {
+        last = behind_the_gap(text, begin, last)?;
+    }
     if last == 0 && begin.resumed.is_none() {
         return Err(Refusal::NothingSent);
     }
-    let crashed = history.end.is_none();
-    let same_boot = boot.is_some() && begin.boot.as_deref() == boot;
-    if crashed && (!same_boot || matches!(history.damage, Damage::Zeros { .. })) {
-        last = behind_the_gap(text, begin, last)?;
-    }
-    let first = surely_cut(text, begin, history)?
+    let counted = surely_cut(text, begin, history, history.acknowledged)?;
+    let last = last
+        .max(begin.resumed.map_or(0, |r| r.maybe_to))
+        .min(begin.lines);
+    let first = seen_on(text, begin, history, counted, last)?
         .min(history.acknowledged)
         .max(entry)
         .max(1);
-    let last = last
-        .max(begin.resumed.map_or(0, |r| r.maybe_to))
-        .min(begin.lines)
-        .max(first);
     Ok(Zones {
         first,
-        last,
+        last: last.max(first),
         lines: begin.lines,
     })
+}
+
+/// True when the computer may have lost its power before its disk had the journal's last records. `boot` is its boot now.
+pub fn may_lack_the_last(begin: &Begin, history: &History, boot: Option<&str>) -> bool {
+    let same_boot = boot.is_some() && begin.boot.as_deref() == boot;
+    history.end.is_none() && (!same_boot || matches!(history.damage, Damage::Zeros { .. }))
 }
 
 /// The first line that was refused: it was dropped whole, whatever was answered behind it.
@@ -117,8 +123,76 @@ fn behind_the_gap(text: &dyn ProgramText, begin: &Begin, last: usize) -> Result<
     Ok(end)
 }
 
+/// The first line that may not have been cut by `counted` answers, corrected by where the machine was seen last: bytes that a cable makes
+/// up (a line end that arrives twice is a line more, and answered) let the answers run ahead of the lines. A place that is on the way of no
+/// line from `counted` on, but on that of an earlier one, belongs to the last such line; where the cable is known to be bad, to the first of
+/// those that are not long ago, for the way may cross itself. A place beside the way says nothing: [`super::check`] sees to it.
+fn seen_on(
+    text: &dyn ProgramText,
+    begin: &Begin,
+    history: &History,
+    counted: usize,
+    last: usize,
+) -> Result<usize, Refusal> {
+    let Some(seen) = &history.seen else {
+        return Ok(counted);
+    };
+    // Lines that were answered since it was seen were not under way then.
+    let then = match seen.acknowledged < history.acknowledged {
+        true => surely_cut(text, begin, history, seen.acknowledged)?,
+        false => counted,
+    };
+    let place = Point::from(seen.machine);
+    let entry = begin.resumed.map_or(1, |r| r.entry);
+    let back = match history.cable_sound {
+        true => 0,
+        false => held(begin) + begin.rx_bytes / SHORT_LINE,
+    };
+    let mut walk = Program::of(text, history, begin).walk();
+    let (mut before, mut recent, mut inside) = (None, None, false);
+    while let Some(step) = walk.step() {
+        let line = step.map_err(Refusal::Unreadable)?;
+        if line > last || (inside && line >= then) {
+            break;
+        }
+        if walk.changed_tool() {
+            if line == history.acknowledged {
+                // It waits there, and the operator may drive it anywhere.
+                return Ok(counted);
+            }
+            // Whatever was answered by then, all was over when the operator went on.
+            (before, recent) = (None, None);
+        }
+        if line < entry || near_way(&walk, &place) > NEAR {
+            continue;
+        }
+        match line < then {
+            true => {
+                before = Some(line);
+                if line + back >= then {
+                    recent = recent.or(Some(line));
+                }
+            }
+            false => inside = true,
+        }
+    }
+    Ok(match (inside, recent, before) {
+        (_, Some(line), _) if !history.cable_sound => line.min(counted),
+        (false, _, Some(line)) => line.min(counted),
+        _ => counted,
+    })
+}
+
+/// Bytes of a short line: where answers are made up, so many more lines than the receive buffer could hold may be a line off.
+const SHORT_LINE: usize = 4;
+
 /// The first line, up to the last one answered, of which something may be queued still; the line behind it when nothing can be.
-fn surely_cut(text: &dyn ProgramText, begin: &Begin, history: &History) -> Result<usize, Refusal> {
+fn surely_cut(
+    text: &dyn ProgramText,
+    begin: &Begin,
+    history: &History,
+    acknowledged: usize,
+) -> Result<usize, Refusal> {
     let counter = Counter::new(begin);
     let held = held(begin);
     let entry = begin.resumed.map_or(1, |r| r.entry);
@@ -127,7 +201,7 @@ fn surely_cut(text: &dyn ProgramText, begin: &Begin, history: &History) -> Resul
     let mut queue: VecDeque<(usize, usize)> = VecDeque::new();
     let mut blocks = 0;
     // What stands in a refused line made nobody wait, and what was answered behind it may have been something else.
-    let known = history.acknowledged.min(refused(history) - 1);
+    let known = acknowledged.min(refused(history) - 1);
     let mut walk = Program::of(text, history, begin).walk();
     while let Some(step) = walk.step() {
         let line = step.map_err(Refusal::Unreadable)?;

@@ -17,16 +17,19 @@ mod sending;
 mod stall;
 mod stopping;
 mod ticking;
+mod watching;
 
 use super::introduction::{Introduction, IntroductionOptions, Known};
-use super::job::{Job, JobLine, JobLines};
+use super::job::{Job, JobLines};
 use super::outcome::{Ending, Outcome};
 use super::progress::{Progress, Prompt, Stall};
 use super::stream::Stream;
+use super::watch::Watch;
 use crate::wire::{Lines, Overrides, Realtime, Reply, State};
 use operator::{Adjusting, Resume};
 use std::collections::VecDeque;
 use std::time::Duration;
+use watching::{Look, Upcoming};
 
 /// What a session needs to know beyond the job.
 #[derive(Clone, Debug)]
@@ -80,9 +83,9 @@ pub struct Session {
     stream: Stream,
     lines: Option<JobLines>,
     /// Lines of our own that go before the job's next.
-    own: VecDeque<JobLine>,
+    own: VecDeque<Upcoming>,
     /// The job's next line.
-    next: Option<JobLine>,
+    next: Option<Upcoming>,
     /// Index of the job's next line.
     index: usize,
     /// The job's lines, and then the closing one, are all under way.
@@ -110,6 +113,11 @@ pub struct Session {
     wall: Option<(Duration, Duration)>,
 
     // The machine.
+    /// The way of the lines under way; `None` where nobody can tell.
+    watch: Option<Watch>,
+    /// Reports in a row that lie off the way.
+    off_reports: u32,
+    look: Look,
     idle_since: Option<Duration>,
     moved: Duration,
     first_motion: Option<Duration>,
@@ -196,6 +204,9 @@ impl Session {
             last_tick: now,
             last_answer: now,
             wall: None,
+            watch: None,
+            off_reports: 0,
+            look: Look::No,
             idle_since: None,
             moved: now,
             first_motion: None,

@@ -144,7 +144,8 @@ impl Session {
             self.go_on(now);
         } else if self.tool_change().is_some() {
             (self.waiting, self.prompt_told) = (None, false);
-            self.restore_modes();
+            // The modes are brought back once a report has told where the operator left the machine.
+            self.look_now(true);
             self.news.push(Progress::Resumed);
         } else {
             self.note("nothing is on hold: there is nothing to resume");

@@ -22,6 +22,13 @@ impl Session {
         if let Reply::Status(status) = reply {
             self.report(status, now);
         }
+        if let Reply::Status(status) = reply {
+            self.place_told(status, now);
+            if self.off_reports > 0 && self.phase != Phase::Streaming {
+                // It began the stop, and so is older than the hold.
+                return;
+            }
+        }
         match self.phase.clone() {
             Phase::Streaming => self.while_streaming(reply, now),
             Phase::Stopping { quiet_reports } => match reply {
@@ -166,6 +173,7 @@ impl Session {
     }
 
     fn accepted(&mut self, flight: &Flight) {
+        self.is_past(&flight.line);
         if let Some(index) = flight.index {
             self.acknowledged = index + 1;
             self.last_source = flight.line.source;
@@ -190,9 +198,17 @@ impl Session {
 
     fn finish(&mut self, now: Duration) {
         if let Some(reported) = self.known.work_position() {
-            let end = self.job.end;
-            let expected: [f64; 3] = std::array::from_fn(|i| end[i].unwrap_or(reported[i]));
-            if (0..3).any(|i| (expected[i] - reported[i]).abs() > self.options.end_tolerance) {
+            let by_text = self.job.end;
+            let expected: [f64; 3] = self
+                .end_of_way()
+                .unwrap_or_else(|| std::array::from_fn(|i| by_text[i].unwrap_or(reported[i])));
+            let beside = |i: usize| {
+                // The machine stands on a whole step.
+                let steps = self.known.setting(100 + i as u16).filter(|s| *s > 0.0);
+                let half = steps.map_or(0.0, |s| 0.5 / s);
+                (expected[i] - reported[i]).abs() > self.options.end_tolerance + half
+            };
+            if (0..3).any(beside) {
                 self.ending = Ending::Elsewhere { expected, reported };
             }
             self.enter(Phase::Ended, now);

@@ -1,7 +1,8 @@
 //! Which line goes out next: our own, the job's, the closing one.
 
+use super::watching::{Look, Upcoming};
 use super::{Closing, Phase, Session};
-use crate::gcode::{Distance, FeedMode, Plane, State as Parser, Units};
+use crate::gcode::{Distance, FeedMode, MotionMode, Plane, State as Parser, Units};
 use crate::link::job::JobLine;
 use crate::link::outcome::Ending;
 use crate::link::progress::{Progress, PromptKind, Span};
@@ -28,6 +29,7 @@ impl Session {
             return self.end(Ending::NotReady(why), now);
         }
         self.compare();
+        self.stand();
         match self.job.lines() {
             Ok(lines) => self.lines = Some(lines),
             Err(e) => return self.end(Ending::Unreadable(e), now),
@@ -41,9 +43,11 @@ impl Session {
                 modes.join(" ")
             );
             self.note(&text);
-            self.own.push_back(modes_line(&modes));
+            self.own.push_back(modes_line(&modes).into());
         }
-        self.own.extend(self.job.entry.iter().cloned());
+        if let Err(e) = self.entry() {
+            return self.end(Ending::Unreadable(e), now);
+        }
         self.news.push(Progress::Started {
             total: self.job.total,
         });
@@ -81,12 +85,13 @@ impl Session {
 
     /// Puts into the stream what may go out now.
     pub(super) fn send_lines(&mut self, now: Duration) {
-        if self.waiting.is_some() || self.hold_asked || now < self.quiet_until {
+        let looking = matches!(self.look, Look::Now { .. });
+        if self.waiting.is_some() || looking || self.hold_asked || now < self.quiet_until {
             return;
         }
         loop {
             if let Some(own) = self.own.front() {
-                if self.stream.verdict(own).is_err() {
+                if self.stream.verdict(&own.line).is_err() {
                     return;
                 }
                 if let Some(own) = self.own.pop_front()
@@ -96,27 +101,30 @@ impl Session {
                 }
                 continue;
             }
+            if self.look == Look::Due {
+                return;
+            }
             if self.next.is_none() && self.closing == Closing::NotYet {
-                match self.lines.as_mut().map(|l| l.next_line()) {
-                    Some(Ok(Some(line))) => self.next = Some(line),
-                    Some(Err(e)) => {
+                match self.read_on() {
+                    Ok(Some(next)) => self.next = Some(next),
+                    Err(e) => {
                         return self.stop(
                             Ending::Unreadable(e),
                             "the program cannot be read on",
                             now,
                         );
                     }
-                    _ => self.closing = Closing::Due,
+                    Ok(None) => self.closing = Closing::Due,
                 }
             }
-            if let Some(line) = &self.next {
-                if self.index >= self.allowed || self.stream.verdict(line).is_err() {
+            if let Some(next) = &self.next {
+                if self.index >= self.allowed || self.stream.verdict(&next.line).is_err() {
                     return;
                 }
-                if let Some(line) = self.next.take() {
+                if let Some(next) = self.next.take() {
                     let index = self.index;
                     self.index += 1;
-                    if !self.push(line, Some(index), now) {
+                    if !self.push(next, Some(index), now) {
                         return;
                     }
                 }
@@ -126,7 +134,7 @@ impl Session {
                     return;
                 }
                 self.closing = Closing::Sent;
-                self.push(line, None, now);
+                self.push(line.into(), None, now);
                 return;
             } else {
                 return;
@@ -134,12 +142,13 @@ impl Session {
         }
     }
 
-    fn push(&mut self, line: JobLine, index: Option<usize>, now: Duration) -> bool {
+    fn push(&mut self, next: Upcoming, index: Option<usize>, now: Duration) -> bool {
+        self.goes_out(&next);
         if self.stream.is_empty() {
             // Nothing was waited for until now.
             self.last_answer = now;
         }
-        match self.stream.push(line, index) {
+        match self.stream.push(next.line, index) {
             Ok(()) => true,
             Err(e) => {
                 self.stop(Ending::Unstreamable(e), "a line does not fit", now);
@@ -169,11 +178,18 @@ impl Session {
         let Some(lines) = &self.lines else { return };
         let state = lines.state();
         let mut modes = mode_words(state);
-        if !matches!(state.motion, crate::gcode::MotionMode::Rapid) {
-            modes.retain(|m| m != "G0");
+        let feeds = state.feed.0 > 0.0 && state.feed_mode == FeedMode::PerMinute;
+        if let Some(motion) = modes.first_mut() {
+            // A line that relies on an arc or on inverse time is refused behind G80 (error 31), which is better than a wrong move.
+            *motion = match state.motion {
+                MotionMode::Rapid => "G0",
+                MotionMode::Linear if feeds => "G1",
+                _ => "G80",
+            }
+            .to_string();
         }
         let unit = state.units.mm();
-        if state.feed.0 > 0.0 && state.feed_mode == FeedMode::PerMinute {
+        if feeds {
             modes.push(format!("F{:.4}", state.feed.0 / unit));
         }
         if state.speed.0 > 0.0 {
@@ -184,7 +200,7 @@ impl Session {
                 modes.push(word.to_string());
             }
         }
-        self.own.push_back(modes_line(&modes));
+        self.own.push_back(modes_line(&modes).into());
     }
 
     /// Remembers which lines of the program may have been carried out without an answer.

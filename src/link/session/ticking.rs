@@ -1,5 +1,6 @@
 //! Time passes: what is sent, what is asked, and who keeps silent.
 
+use super::watching::Look;
 use super::{Phase, Session};
 use crate::link::outcome::Ending;
 use crate::link::progress::{Progress, Stall};
@@ -121,7 +122,7 @@ impl Session {
         }
         // While stopping we want to know soon; 10 Hz is what the firmware takes without harm.
         let pause = match self.phase {
-            Phase::Streaming => self.options.poll,
+            Phase::Streaming if !matches!(self.look, Look::Now { .. }) => self.options.poll,
             _ => self.options.poll / 2,
         };
         let overdue = self

@@ -8,6 +8,7 @@ use super::travel::Reach;
 use super::words::{Significant, column_of, is, significant, words};
 use crate::gcode::source::LONGEST;
 use crate::gcode::{self, Event, MotionKind, MotionMode, State};
+use crate::geom::{Point, Vector};
 use crate::link::job::{JobLine, Standstill, Weight};
 use crate::link::progress::{Prompt, PromptKind};
 
@@ -81,6 +82,22 @@ impl Preparer {
     /// What the controller remembers behind the last line.
     pub fn state(&self) -> &State {
         &self.state
+    }
+
+    /// What the line read last tells the machine.
+    pub fn events(&self) -> &[Event] {
+        &self.events
+    }
+
+    /// The machine stands elsewhere than the text can tell, and the active work zero may be another.
+    pub fn stands_at(&mut self, machine: &Point, work_zero: Option<Vector>) {
+        if let Some(zero) = work_zero {
+            let moved = zero - self.state.offset();
+            if let Some(origin) = self.state.g5x.get_mut(self.state.work_offset) {
+                *origin += moved;
+            }
+        }
+        self.state.set_machine_position(machine);
     }
 
     /// The line to send, `None` if there is nothing to send in it.

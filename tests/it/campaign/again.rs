@@ -1,11 +1,12 @@
 //! (d) A broken job taken up again: the whole way is driven, each piece as it should be, and the part is the same.
 
-use super::bench::{Bench, Spot, begin, introduce, machine, standing_at};
+use super::bench::{Bench, Spot, begin, introduce, standing_at};
 use super::case::{Case, Verdict, job};
 use super::faults::{Class, Schedule};
 use super::follow::{ALONG, follow, lengths, way_of};
-use super::jobs::{Corner, Dice, START, way};
+use super::jobs::{Corner, START, way};
 use super::material::{cuts_of, cuts_of_way, same_part};
+use crate::chance::Chance;
 use morsemill::controller::Controller;
 use morsemill::geom::Point;
 use morsemill::link::journal::{History, fingerprint};
@@ -13,7 +14,7 @@ use morsemill::link::resume::{Now, Plan, Refusal, ResumeOptions, Trust, resume};
 use morsemill::link::{Ending, Known};
 
 /// One in so many resumed cases has its part compared.
-const SAMPLE: usize = 10;
+const SAMPLE: usize = 3;
 
 /// Takes the job up by its journal and runs the rest; `cut` mm of its way were cut as they should be.
 pub fn again(
@@ -57,7 +58,7 @@ pub fn again(
     }
     verdict.resumed = true;
     // Lines behind a refused one cut where they should not: that part is the operator's to judge.
-    if case.class != Class::Refused && Dice(case.dice.0 ^ 1).roll(SAMPLE) == 0 {
+    if case.class != Class::Refused && Chance(case.dice.0 ^ 1).roll(SAMPLE) == 0 {
         let start = |c: &[Corner]| c.first().map_or(Point::from(START), |c| c.to);
         let mut pieced = cuts_of(start(&corners), &case.ran.spots);
         pieced.extend(cuts_of(start(&rest), &second.spots));
@@ -71,13 +72,29 @@ pub fn again(
     Ok(())
 }
 
+/// True when the job would be taken up without the operator's word for anything.
+pub fn would_go_on(case: &Case, history: &History) -> bool {
+    let known = introduce(&made_ready(case));
+    let now = Now::of(&known, "test", Some(case.boot().into()));
+    let sha256 = fingerprint(case.text.as_bytes());
+    resume(
+        &case.text,
+        &sha256,
+        history,
+        &now,
+        &ResumeOptions::default(),
+    )
+    .is_ok()
+}
+
 /// The machine once the operator has seen to it: Idle, standing where the tool is.
 fn made_ready(case: &Case) -> Controller {
     let ran = &case.ran;
     if case.class.forgets() && ran.restarted {
         // The tool is where it was; the operator homes, and drives it there.
         let place = ran.spots.last().map_or(START, |s| [s.at.x, s.at.y, s.at.z]);
-        return standing_at(machine(case.class).0.clone(), place);
+        let off = &ran.controller;
+        return standing_at(Controller::with_build(off.memory(), off.build()), place);
     }
     let mut c = ran.controller.clone();
     c.set_pins(Default::default());
@@ -97,7 +114,7 @@ fn plan(case: &Case, history: &History, known: &Known) -> Result<Option<Plan>, S
     let kept = outcome.is_none_or(|o| o.position_kept)
         && !case.class.forgets()
         && !matches!(case.class, Class::Unplug | Class::Refused);
-    let now = Now::of(known, "test", Some("boot".into()));
+    let now = Now::of(known, "test", Some(case.boot().into()));
     let sha256 = fingerprint(case.text.as_bytes());
     let take_up = |trust: Trust| {
         let options = ResumeOptions {
@@ -109,13 +126,15 @@ fn plan(case: &Case, history: &History, known: &Known) -> Result<Option<Plan>, S
     };
     let mut planned = take_up(if kept { Trust::Shown } else { Trust::Operator });
     let elsewhere = matches!(planned, Err(Refusal::Elsewhere { .. }));
-    if case.class == Class::Killed && elsewhere && case.ran.held_at_end {
+    let unheard = case.class.kills_the_sender() || case.class == Class::Gone;
+    if unheard && elsewhere && case.ran.held_at_end {
         // Stopped between two lines by a hold of which the journal had no time to tell: refused until the operator has looked.
         planned = take_up(Trust::Operator);
     }
     match planned {
         Ok(plan) => Ok(Some(plan)),
-        Err(Refusal::NoEntry { .. }) => Ok(None),
+        // Nobody can tell whether a stored offset was written.
+        Err(Refusal::NoEntry { .. } | Refusal::OffsetWritten { .. }) => Ok(None),
         Err(e) => Err(format!("(d) not to be resumed: {e}")),
     }
 }

@@ -1,11 +1,11 @@
 //! Both ends of the cable with a journal between them, from event to event in virtual time.
 
 use super::faults::{Class, Schedule};
-use super::jobs::{Corner, Dice, ORIGINS, START, STEPS};
+use super::jobs::{ORIGINS, START, STEPS};
+use crate::chance::Chance;
 use morsemill::controller::{Build, Controller, Faults, Memory, Quirks, Rig, RigOptions, Script};
 use morsemill::geom::Point;
-use morsemill::link::journal::{Begin, FORMAT, Keeper, Offsets, Start, fingerprint};
-use morsemill::link::watch::{OffPath, Watch, WatchOptions};
+use morsemill::link::journal::{Begin, FORMAT, Keeper, Offsets, SYNC_GAP, Start, fingerprint};
 use morsemill::link::{
     Command, Introduction, IntroductionOptions, Job, Known, Outcome, Progress, Session,
     SessionOptions,
@@ -153,8 +153,6 @@ pub struct Ran {
     /// The machine stands in a hold or at a door.
     pub held_at_end: bool,
     pub log: Vec<String>,
-    /// When a report lay beside the way of the program, and how.
-    pub off_path: Option<(f64, OffPath)>,
 }
 
 pub struct Bench {
@@ -170,14 +168,11 @@ pub struct Bench {
     moved_after_restart: f64,
     restarted_at: f64,
     hold_at: Option<f64>,
-    dice: Dice,
+    /// How long the journal was when.
+    flushed: Vec<(f64, usize)>,
+    dice: Chance,
     pieces: usize,
     log: Option<Vec<String>>,
-    /// The way of the program, and how much of it was sent.
-    corners: Vec<Corner>,
-    watched: usize,
-    watch: Watch,
-    off_path: Option<(f64, OffPath)>,
 }
 
 impl Bench {
@@ -187,7 +182,7 @@ impl Bench {
         job: Job,
         begin: Begin,
         schedule: Schedule,
-        dice: Dice,
+        dice: Chance,
         trace: bool,
     ) -> Bench {
         let mut dice = dice;
@@ -220,45 +215,10 @@ impl Bench {
             moved_after_restart: 0.0,
             restarted_at: 0.0,
             hold_at: None,
+            flushed: Vec::new(),
             dice,
             pieces: 0,
             log: trace.then(Vec::new),
-            corners: Vec::new(),
-            watched: 1,
-            watch: Watch::new(controller.position(), WatchOptions::default()),
-            off_path: None,
-        }
-    }
-
-    /// Compares each report with the way of the program.
-    pub fn watching(mut self, corners: Vec<Corner>) -> Bench {
-        self.corners = corners;
-        self
-    }
-
-    fn watch(&mut self, news: &Progress) {
-        match news {
-            Progress::Sent(span) => {
-                while let Some(corner) = self
-                    .corners
-                    .get(self.watched)
-                    .filter(|c| c.line <= span.source)
-                {
-                    self.watch.sent(corner.line, [corner.to]);
-                    self.watched += 1;
-                }
-            }
-            Progress::Acknowledged(span) => self.watch.answered(span.source),
-            Progress::Report(report) if self.off_path.is_none() && self.hold_at.is_none() => {
-                if let Some(place) = report.machine_position
-                    && !self.corners.is_empty()
-                    && let Err(e) = self.watch.report(Point::from(place))
-                {
-                    self.off_path = Some((self.rig.now(), e));
-                    self.say(|| e.to_string());
-                }
-            }
-            _ => {}
         }
     }
 
@@ -326,12 +286,21 @@ impl Bench {
         }
         self.operator();
         let turn = self.keeper.turn(now, false).unwrap();
+        if !turn.bytes.is_empty() {
+            self.flushed.push((self.rig.now(), self.journal.len()));
+        }
         self.journal.extend(turn.bytes);
         self.session.allow_up_to(turn.allowed);
         self.session.tick(now);
         let mut out = self.session.output();
         out.truncate(self.schedule.takes);
         self.session.written(out.len());
+        let gone = self.schedule.gone.is_some_and(|t| self.rig.now() >= t);
+        if gone {
+            // Nobody knows how much of it went out.
+            out.truncate(self.dice.roll(out.len() + 1));
+            self.session.broken("the port is gone".to_string(), now);
+        }
         if !out.is_empty() {
             self.pieces += usize::from(out.contains(&b'X'));
             if self.schedule.refuse.is_some_and(|n| self.pieces >= n)
@@ -346,7 +315,6 @@ impl Bench {
         }
         for news in self.session.news() {
             self.keeper.hear(&news, now);
-            self.watch(&news);
             match &news {
                 Progress::Report(_) => {}
                 other => self.say(|| format!("   {other:?}")),
@@ -371,6 +339,20 @@ impl Bench {
         }
     }
 
+    /// What the disk has of the journal is some time old; the rest is missing, torn or zeros.
+    fn cut_power(&mut self) {
+        let first = self.journal.iter().position(|b| *b == b'\n').unwrap_or(0) + 1;
+        let since = self.rig.now() - SYNC_GAP * self.dice.part();
+        let kept = self.flushed.iter().find(|f| f.0 >= since);
+        let kept = kept.map_or(self.journal.len(), |f| f.1).max(first);
+        let more = self.dice.roll(self.journal.len() - kept + 1);
+        match self.dice.roll(3) {
+            0 => self.journal.truncate(kept),
+            1 => self.journal.truncate(kept + more),
+            _ => self.journal.iter_mut().skip(kept).for_each(|b| *b = 0),
+        }
+    }
+
     /// Runs the job until its session ends, or its sender is killed, and lets the machine do what it does then. `None`: it never ended.
     pub fn run(mut self) -> Ran {
         let outcome = loop {
@@ -392,6 +374,7 @@ impl Bench {
                 let last = self.keeper.end(outcome, at);
                 self.journal.extend(last);
             }
+            None if self.schedule.class == Class::PowerCut => self.cut_power(),
             None if self.schedule.kill.is_some() => {
                 // What was not flushed is lost, or torn.
                 let late = self
@@ -439,7 +422,6 @@ impl Bench {
             restarted: self.restarts > 0,
             held_at_end,
             log: self.log.unwrap_or_default(),
-            off_path: self.off_path,
         }
     }
 }

@@ -1,6 +1,6 @@
 //! What goes wrong in a job, and what the operator wants meanwhile.
 
-use super::jobs::Dice;
+use crate::chance::Chance;
 use morsemill::controller::{Deed, FaultPlan, Noise, When};
 use morsemill::link::{Command, Ending, RapidStep, Step};
 
@@ -31,10 +31,18 @@ pub enum Class {
     Killed,
     /// Bytes dropped, doubled and turned, both ways.
     Noise,
+    /// The host hears from its port that it is gone, in the middle of a write.
+    Gone,
+    /// The host loses its power: what its disk had of the journal is up to two seconds old, torn, or ends in zeros.
+    PowerCut,
+    /// The controller loses bytes that arrive while it writes its memory.
+    Eeprom,
 }
 
 impl Class {
-    pub const ALL: [Class; 15] = [
+    /// So many of them there were when the first seeds were found that broke a law.
+    pub const FIRST: usize = 15;
+    pub const ALL: [Class; 18] = [
         Class::Sound,
         Class::Stop,
         Class::ResetNow,
@@ -50,6 +58,9 @@ impl Class {
         Class::Refused,
         Class::Killed,
         Class::Noise,
+        Class::Gone,
+        Class::PowerCut,
+        Class::Eeprom,
     ];
 
     /// Bytes of lines arrive as they were sent, each once, as long as they arrive.
@@ -62,11 +73,16 @@ impl Class {
         matches!(self, Class::Reset | Class::ResetAtLine | Class::PowerCycle)
     }
 
+    /// The journal ends without a word.
+    pub fn kills_the_sender(self) -> bool {
+        matches!(self, Class::Killed | Class::PowerCut)
+    }
+
     /// Whether this ending names the true cause, if the fault struck at all.
     pub fn may_end(self, ending: &Ending) -> bool {
         match self {
             _ if *ending == Ending::Done => true,
-            Class::Sound | Class::DoorPin => false,
+            Class::Sound | Class::DoorPin | Class::Eeprom => false,
             Class::Stop => *ending == Ending::Stopped,
             Class::ResetNow => matches!(ending, Ending::Stopped | Ending::Aborted),
             Class::Reset | Class::ResetAtLine | Class::PowerCycle => {
@@ -77,7 +93,8 @@ impl Class {
             Class::Limit => matches!(ending, Ending::Alarm { code: 1, .. }),
             Class::SoftLimit => matches!(ending, Ending::Alarm { code: 2, .. }),
             Class::Refused => matches!(ending, Ending::Refused { .. }),
-            Class::Killed => true,
+            Class::Killed | Class::PowerCut => true,
+            Class::Gone => matches!(ending, Ending::Broken(_)),
             // A line that arrives in part is anything.
             Class::Replug | Class::Noise => true,
         }
@@ -93,6 +110,8 @@ pub struct Schedule {
     pub script: String,
     pub wishes: Vec<(f64, Command)>,
     pub kill: Option<f64>,
+    /// The port is gone from then on.
+    pub gone: Option<f64>,
     /// The n-th piece of bytes with an axis word is damaged so that it is refused.
     pub refuse: Option<usize>,
     /// Most bytes the port takes at once.
@@ -108,6 +127,7 @@ impl Schedule {
             script: String::new(),
             wishes: Vec::new(),
             kill: None,
+            gone: None,
             refuse: None,
             takes: usize::MAX,
         }
@@ -115,7 +135,7 @@ impl Schedule {
 }
 
 /// A random one for a job that takes about `duration` seconds and has so many lines.
-pub fn schedule(dice: &mut Dice, class: Class, duration: f64, lines: usize) -> Schedule {
+pub fn schedule(dice: &mut Chance, class: Class, duration: f64, lines: usize) -> Schedule {
     let at = 0.2 + dice.part() * duration;
     let line = 1 + dice.roll(lines);
     let mut plan = FaultPlan::default();
@@ -162,7 +182,13 @@ pub fn schedule(dice: &mut Dice, class: Class, duration: f64, lines: usize) -> S
             };
             (plan.to_controller, plan.to_host) = (noise, noise);
         }
-        Class::Sound | Class::SoftLimit | Class::Refused | Class::Killed => {}
+        Class::Eeprom => plan.eeprom_loss = true,
+        Class::Sound
+        | Class::SoftLimit
+        | Class::Refused
+        | Class::Killed
+        | Class::PowerCut
+        | Class::Gone => {}
     }
     wishes.sort_by(|a, b| a.0.total_cmp(&b.0));
     Schedule {
@@ -170,13 +196,14 @@ pub fn schedule(dice: &mut Dice, class: Class, duration: f64, lines: usize) -> S
         plan,
         script,
         wishes,
-        kill: (class == Class::Killed).then_some(at),
+        kill: class.kills_the_sender().then_some(at),
+        gone: (class == Class::Gone).then_some(at),
         refuse: (class == Class::Refused).then_some(line),
         takes: [usize::MAX, 64, 17, 3][dice.roll(4)],
     }
 }
 
-fn wish(dice: &mut Dice) -> Command {
+fn wish(dice: &mut Chance) -> Command {
     match dice.roll(16) {
         0..=3 => Command::Hold,
         4 => Command::Resume,

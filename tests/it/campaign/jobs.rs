@@ -1,5 +1,6 @@
 //! Random programs of everything a job may hold, each taken by the interpreter line by line, and the way their axes should go.
 
+use crate::chance::Chance;
 use morsemill::gcode::{self, Event, FeedMode, MotionKind, State, interpret_line};
 use morsemill::geom::Point;
 use morsemill::kinematics::chords;
@@ -19,31 +20,17 @@ pub const ORIGINS: [[f64; 3]; 6] = [
     [-96.125, -84.0, -60.5],
 ];
 
-/// Random numbers that are the same everywhere: SplitMix64 (Steele, Lea and Flood 2014).
-#[derive(Clone, Debug)]
-pub struct Dice(pub u64);
-
-impl Dice {
-    pub fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    pub fn roll(&mut self, below: usize) -> usize {
-        (self.next() % below.max(1) as u64) as usize
-    }
-
-    /// Between 0 and 1.
-    pub fn part(&mut self) -> f64 {
-        (self.next() >> 11) as f64 / (1u64 << 53) as f64
-    }
+/// What a program may hold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Holds {
+    /// Motions, modes, offsets that a reset forgets, pauses.
+    Motions,
+    /// Also tool changes, and offsets that are stored for good.
+    All,
 }
 
 /// A program of about so many lines. `start`: what the controller remembers before it.
-pub fn program(dice: &mut Dice, lines: usize, start: &State) -> String {
+pub fn program(dice: &mut Chance, lines: usize, start: &State, holds: Holds) -> String {
     let mut state = start.clone();
     let mut text = String::new();
     let head = [
@@ -58,12 +45,12 @@ pub fn program(dice: &mut Dice, lines: usize, start: &State) -> String {
     let mut count = 0;
     while count < lines + head.len() {
         if wanted.is_empty() {
-            wanted = random_lines(dice, &state);
+            wanted = random_lines(dice, &state, holds);
         }
         let Some(line) = wanted.pop() else { continue };
         let mut trial = state.clone();
         let mut events = Vec::new();
-        if interpret_line(&mut trial, &line, count + 1, &mut events).is_err() {
+        if interpret_line(&mut trial, &sent(&line), count + 1, &mut events).is_err() {
             continue;
         }
         let near = |p: &Point| p.iter().all(|c| c.abs() < 160.0);
@@ -88,7 +75,10 @@ pub fn program(dice: &mut Dice, lines: usize, start: &State) -> String {
 }
 
 /// One line, or a run of short ones (last first).
-fn random_lines(dice: &mut Dice, state: &State) -> Vec<String> {
+fn random_lines(dice: &mut Chance, state: &State, holds: Holds) -> Vec<String> {
+    if holds == Holds::All && dice.roll(25) == 0 {
+        return rare_lines(dice, state);
+    }
     let plain =
         state.distance == gcode::Distance::Absolute && state.feed_mode == FeedMode::PerMinute;
     if plain && dice.roll(12) == 0 {
@@ -115,10 +105,35 @@ fn random_lines(dice: &mut Dice, state: &State) -> Vec<String> {
     vec![random_line(dice, state)]
 }
 
-fn random_line(dice: &mut Dice, state: &State) -> String {
+/// A tool change, or an offset that outlives the job (last line first).
+fn rare_lines(dice: &mut Chance, state: &State) -> Vec<String> {
+    let unit = state.units.mm();
+    let system = 1 + dice.roll(6);
+    let near = |dice: &mut Chance, of: f64| (of + dice.part() * 4.0 - 2.0) / unit;
+    let zero = state.g5x.get(system - 1).copied().unwrap_or_default();
+    match dice.roll(4) {
+        // The session cannot set an arc's mode anew behind it: a line that relied on one would be refused.
+        0 | 1 => vec![
+            format!("G1 F{:.1}", 400.0 / unit),
+            format!("{}M6 (tool)", ["", "T2 ", "T7"][dice.roll(3)]),
+        ],
+        2 => vec![format!(
+            "G10 L2 P{system} X{:.3} Y{:.3} Z{:.3}",
+            near(dice, zero.x),
+            near(dice, zero.y),
+            near(dice, zero.z)
+        )],
+        _ => vec![format!(
+            "G10 L20 P{system} Z{:.3}",
+            near(dice, state.position.z)
+        )],
+    }
+}
+
+fn random_line(dice: &mut Chance, state: &State) -> String {
     let unit = state.units.mm();
     let incremental = state.distance == gcode::Distance::Incremental;
-    let axis = |dice: &mut Dice, letter: char, now: f64| {
+    let axis = |dice: &mut Chance, letter: char, now: f64| {
         // A few millimetres from here, in whatever the words mean now.
         let by = dice.roll(800) as f64 / 100.0 - 4.0;
         let to = if incremental {
@@ -291,5 +306,7 @@ fn sent(line: &str) -> String {
             c => out.push(c.to_ascii_uppercase()),
         }
     }
+    // The session keeps tool changes for itself.
+    let out = out.replacen("M6", "", 1);
     if out == "%" { String::new() } else { out }
 }
