@@ -6,8 +6,12 @@
 
 use crate::cli::Failure;
 use crate::gcode::Dialect;
-use crate::link::journal::{Begin, Damage, FORMAT, History, JournalFile, Offsets, Start, fingerprint, read};
-use crate::link::resume::{Now, Overlap, Plan, ResumeOptions, Trust, from_line, may_lack_the_last, resume};
+use crate::link::journal::{
+    Begin, Damage, FORMAT, History, JournalFile, Offsets, Start, fingerprint, read,
+};
+use crate::link::resume::{
+    Now, Overlap, Plan, ResumeOptions, Trust, from_line, may_lack_the_last, resume,
+};
 use crate::link::vet::{self, VetOptions};
 use crate::link::{Job, Known, Text};
 use crate::machine::Machine;

@@ -21,7 +21,8 @@ fn journal(end: Option<bool>) -> Vec<u8> {
             how,
             done,
             position_kept: true,
-            at_rest: true, cable_sound: true
+            at_rest: true,
+            cable_sound: true,
         };
         w.note(end, Duration::ZERO);
     }

@@ -1,8 +1,8 @@
 //! What a journal tells, added up.
 
 use super::reader::Damage;
-use crate::wire::State;
 use super::record::{Begin, FORMAT, Record, Stamped, ToolChange};
+use crate::wire::State;
 
 /// Why the machine may not be where the job left it, or the part not as the program would have it.
 #[derive(Clone, Debug, PartialEq)]

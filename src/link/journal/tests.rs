@@ -122,7 +122,8 @@ fn a_journal_adds_up() {
             how: "ALARM:1".into(),
             done: false,
             position_kept: false,
-            at_rest: true, cable_sound: true
+            at_rest: true,
+            cable_sound: true,
         },
     ];
     let (bytes, _) = written(&records);

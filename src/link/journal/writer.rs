@@ -191,7 +191,8 @@ mod tests {
                 how: "done".into(),
                 done: true,
                 position_kept: true,
-                at_rest: true, cable_sound: true
+                at_rest: true,
+                cable_sound: true,
             },
             ms(6000),
         );

@@ -5,7 +5,7 @@ use super::jobs::{ORIGINS, START, STEPS};
 use crate::chance::Chance;
 use morsemill::controller::{Build, Controller, Faults, Memory, Quirks, Rig, RigOptions, Script};
 use morsemill::geom::Point;
-use morsemill::link::journal::{Begin, FORMAT, Keeper, Offsets, Start, fingerprint, SYNC_GAP};
+use morsemill::link::journal::{Begin, FORMAT, Keeper, Offsets, SYNC_GAP, Start, fingerprint};
 use morsemill::link::{
     Command, Introduction, IntroductionOptions, Job, Known, Outcome, Progress, Session,
     SessionOptions,

@@ -22,8 +22,13 @@ fn ways(text: &str, start: State) -> (Vec<f64>, Vec<usize>) {
     let corners = way(text, &start);
     let ends = lengths(&corners);
     let lines = 0..=text.lines().count();
-    let blocks = lines.clone().map(|l| corners.iter().filter(|c| c.line == l && l > 0).count());
-    (lines.clone().map(|l| way_of(&corners, &ends, l)).collect(), blocks.collect())
+    let blocks = lines
+        .clone()
+        .map(|l| corners.iter().filter(|c| c.line == l && l > 0).count());
+    (
+        lines.clone().map(|l| way_of(&corners, &ends, l)).collect(),
+        blocks.collect(),
+    )
 }
 
 /// The laws of the zones, and what the resumed program makes of the rest.
@@ -208,4 +213,3 @@ fn a_job_whose_cable_was_pulled_goes_on() {
 fn a_job_whose_sender_was_killed_goes_on() {
     campaign(Break::Kill, 3000..3012);
 }
-

@@ -89,4 +89,3 @@ proptest! {
         prop_assert!(same.is_ok(), "{}", same.unwrap_err());
     }
 }
-

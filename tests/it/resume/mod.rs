@@ -27,7 +27,12 @@ const HELD: usize = 15 + 6;
 
 /// A program of random lines, of which the interpreter takes every one.
 fn program(seed: u64, lines: usize) -> String {
-    jobs::program(&mut Chance(seed), lines, &reset_state(START), Holds::Motions)
+    jobs::program(
+        &mut Chance(seed),
+        lines,
+        &reset_state(START),
+        Holds::Motions,
+    )
 }
 
 /// A machine just reset, with the offsets of these tests, at machine `place`.
@@ -86,7 +91,8 @@ fn broken_at(text: &str, acknowledged: usize, sent: usize) -> History {
                 how: "stopped".into(),
                 done: false,
                 position_kept: true,
-                at_rest: true, cable_sound: true
+                at_rest: true,
+                cable_sound: true,
             },
         ],
     )

@@ -27,7 +27,11 @@ fn passes(dice: &mut Chance) -> String {
     let mut text = String::from("G21 G90 G17 G94\nM3 S8000\nG0 Z5\n");
     for pass in 0..4 {
         let y = f64::from(pass) * 4.0;
-        text.push_str(&format!("G0 X{:.3} Y{y:.3}\nG1 Z-0.{} F300\n", -f64::from(pass) * 0.37, pass + 2));
+        text.push_str(&format!(
+            "G0 X{:.3} Y{y:.3}\nG1 Z-0.{} F300\n",
+            -f64::from(pass) * 0.37,
+            pass + 2
+        ));
         let (mut x, mut at) = (-f64::from(pass) * 0.37, y);
         for _ in 0..60 {
             if dice.roll(12) == 0 {
@@ -39,7 +43,11 @@ fn passes(dice: &mut Chance) -> String {
                 text.push_str(&format!("G1 X{x:.3} Y{at:.3} F1400\n"));
             }
         }
-        text.push_str(&format!("G0 Z{:.2}\n{}", 4.0 + 0.1 * f64::from(pass), ["", "M8\n", "M9\n", "G4 P0.2\n"][pass as usize]));
+        text.push_str(&format!(
+            "G0 Z{:.2}\n{}",
+            4.0 + 0.1 * f64::from(pass),
+            ["", "M8\n", "M9\n", "G4 P0.2\n"][pass as usize]
+        ));
     }
     text.push_str("G0 Z5\nM5\nM30\n");
     text
@@ -58,13 +66,31 @@ impl Table {
         let machine = Machine::load(MACHINE).unwrap();
         let mut controller = Controller::of_machine(&machine);
         controller.set_work_zero(&Point::from(ZERO));
-        let rig = Rig::new(controller, RigOptions { record: true, ..RigOptions::default() });
+        let rig = Rig::new(
+            controller,
+            RigOptions {
+                record: true,
+                ..RigOptions::default()
+            },
+        );
         let (sender, news) = channel();
-        let tcp = Tcp::serve(rig, "127.0.0.1:0", Guests::Local, Pace::Times(SPEED), Some(sender)).unwrap();
+        let tcp = Tcp::serve(
+            rig,
+            "127.0.0.1:0",
+            Guests::Local,
+            Pace::Times(SPEED),
+            Some(sender),
+        )
+        .unwrap();
         let dir = tempfile::tempdir().unwrap();
         let text = passes(dice);
         std::fs::write(dir.path().join("part.nc"), &text).unwrap();
-        Table { tcp, news, dir, text }
+        Table {
+            tcp,
+            news,
+            dir,
+            text,
+        }
     }
 
     pub fn program(&self) -> PathBuf {
@@ -78,7 +104,9 @@ impl Table {
     pub fn arguments(&self) -> Vec<String> {
         let port = format!("tcp://{}", self.tcp.address());
         let program = self.program().display().to_string();
-        ["send", &program, "--machine", MACHINE, "--port", &port].map(String::from).to_vec()
+        ["send", &program, "--machine", MACHINE, "--port", &port]
+            .map(String::from)
+            .to_vec()
     }
 
     pub fn send(&self, more: &[&str]) -> Child {
@@ -113,7 +141,11 @@ fn history(path: &Path) -> Option<History> {
 }
 
 pub fn told(out: &Output) -> String {
-    format!("{}{}", String::from_utf8_lossy(&out.stdout), String::from_utf8_lossy(&out.stderr))
+    format!(
+        "{}{}",
+        String::from_utf8_lossy(&out.stdout),
+        String::from_utf8_lossy(&out.stderr)
+    )
 }
 
 /// How the next sender takes it up: by what the killed one left.
@@ -130,12 +162,23 @@ fn left(table: &Table, corners: &[Corner]) -> Left {
     let Some(history) = history(&table.journal()) else {
         return Left::Nothing;
     };
-    assert!(!matches!(history.damage, Damage::Broken { .. } | Damage::Zeros { .. }), "{:?}", history.damage);
+    assert!(
+        !matches!(history.damage, Damage::Broken { .. } | Damage::Zeros { .. }),
+        "{:?}",
+        history.damage
+    );
     if history.done {
         return Left::Done;
     }
     assert!(history.end.is_none(), "{:?}", history.end);
-    assert!(history.allowed.max(history.begin.as_ref().map_or(0, |b| b.resumed.map_or(0, |r| r.maybe_to))) >= history.sent);
+    assert!(
+        history.allowed.max(
+            history
+                .begin
+                .as_ref()
+                .map_or(0, |b| b.resumed.map_or(0, |r| r.maybe_to))
+        ) >= history.sent
+    );
     let begin = history.begin.as_ref().unwrap();
     let z = match zones(&table.text, begin, &history, begin.boot.as_deref()) {
         Ok(z) => z,
@@ -145,9 +188,16 @@ fn left(table: &Table, corners: &[Corner]) -> Left {
     // It ran dry, so it stands where a line ends, unless it was on its way in.
     let stands = |c: &&Corner| (c.to - place).norm() < 0.01;
     if let Some(stop) = corners.iter().rfind(stands) {
-        assert!((z.first - 1..=z.last).contains(&stop.line), "stands at the end of line {}, but {z:?}", stop.line);
+        assert!(
+            (z.first - 1..=z.last).contains(&stop.line),
+            "stands at the end of line {}, but {z:?}",
+            stop.line
+        );
     } else {
-        assert!(begin.resumed.is_some() && history.acknowledged == 0, "{place:?} is no line's end, {history:?}");
+        assert!(
+            begin.resumed.is_some() && history.acknowledged == 0,
+            "{place:?} is no line's end, {history:?}"
+        );
     }
     Left::ToResume
 }
@@ -159,7 +209,10 @@ fn kill_and_resume(seed: u64, kills: usize) -> usize {
     let machine = Machine::load(MACHINE).unwrap();
     let mut start = Controller::of_machine(&machine);
     start.set_work_zero(&Point::from(ZERO));
-    let corners = way(&table.text, &super::super::campaign::bench::introduce(&start).start());
+    let corners = way(
+        &table.text,
+        &super::super::campaign::bench::introduce(&start).start(),
+    );
     let (mut resumed, mut next) = (0, Left::Nothing);
     for kill in 0..=kills {
         let how: &[&str] = match next {
@@ -178,7 +231,8 @@ fn kill_and_resume(seed: u64, kills: usize) -> usize {
         }
         // Until its own journal is there, or now and then not even so long; the moment within is the dice's and the system's.
         let began = Instant::now();
-        while dice.roll(8) > 0 && history(&table.journal()) == before && child.try_wait().unwrap().is_none() {
+        let begins = dice.roll(8) > 0;
+        while begins && history(&table.journal()) == before && child.try_wait().unwrap().is_none() {
             assert!(began.elapsed() < PATIENCE);
             std::thread::sleep(Duration::from_millis(5));
         }
@@ -205,8 +259,17 @@ fn kill_and_resume(seed: u64, kills: usize) -> usize {
     pieces.extend(rig.take_drive().pieces);
     // The way driven is told from the part's zero.
     let zero = Vector::from(ZERO);
-    let cuts: Cuts = pieces.iter().filter(|p| !p.rapid).map(|p| (p.from + zero, p.to + zero)).collect();
-    same_part(&cuts_of_way(&corners, false), &cuts_of_way(&corners, true), &cuts).unwrap_or_else(|e| panic!("seed {seed}: {e}"));
+    let cuts: Cuts = pieces
+        .iter()
+        .filter(|p| !p.rapid)
+        .map(|p| (p.from + zero, p.to + zero))
+        .collect();
+    same_part(
+        &cuts_of_way(&corners, false),
+        &cuts_of_way(&corners, true),
+        &cuts,
+    )
+    .unwrap_or_else(|e| panic!("seed {seed}: {e}"));
     resumed
 }
 
@@ -214,10 +277,21 @@ fn kill_and_resume(seed: u64, kills: usize) -> usize {
 #[cfg(unix)]
 #[test]
 fn a_killed_process_leaves_a_journal_that_is_taken_up_to_the_same_part() {
-    let kills: usize = std::env::var("KILLS").ok().and_then(|n| n.parse().ok()).unwrap_or(12);
+    let kills: usize = std::env::var("KILLS")
+        .ok()
+        .and_then(|n| n.parse().ok())
+        .unwrap_or(12);
     // Four tables at once: most of the time each waits for a greeting that a socket does not give.
     let resumed: usize = std::thread::scope(|s| {
-        let tables: Vec<_> = (0..4).map(|seed| s.spawn(move || (0..kills.div_ceil(12)).map(|n| kill_and_resume(100 * n as u64 + seed, 3)).sum::<usize>())).collect();
+        let tables: Vec<_> = (0..4)
+            .map(|seed| {
+                s.spawn(move || {
+                    (0..kills.div_ceil(12))
+                        .map(|n| kill_and_resume(100 * n as u64 + seed, 3))
+                        .sum::<usize>()
+                })
+            })
+            .collect();
         tables.into_iter().map(|t| t.join().unwrap()).sum()
     });
     assert!(3 * resumed >= kills, "{resumed} of {kills} were resumed");

@@ -215,7 +215,11 @@ impl Sender {
         for _ in 0..1_000_000 {
             self.turn(0.005);
             self.controller.output();
-            quiet = if self.controller.is_moving() { 0.0 } else { quiet + 0.005 };
+            quiet = if self.controller.is_moving() {
+                0.0
+            } else {
+                quiet + 0.005
+            };
             // Longer than any dwell of these programs.
             if quiet > 3.0 {
                 return;
@@ -229,7 +233,8 @@ impl Sender {
             how: "broken".into(),
             done: false,
             position_kept: kept,
-            at_rest, cable_sound: true
+            at_rest,
+            cable_sound: true,
         };
         self.writer.note(end, self.now());
         let bytes = self.writer.take();
@@ -290,4 +295,3 @@ impl Sender {
         }
     }
 }
-

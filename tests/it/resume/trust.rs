@@ -77,7 +77,8 @@ fn what_is_not_trustworthy_is_refused_and_says_what_to_do() {
             how: "done".into(),
             done: true,
             position_kept: true,
-            at_rest: true, cable_sound: true
+            at_rest: true,
+            cable_sound: true,
         },
     ];
     assert!(
@@ -92,7 +93,8 @@ fn what_is_not_trustworthy_is_refused_and_says_what_to_do() {
                     how: "silent".into(),
                     done: false,
                     position_kept: true,
-                    at_rest: true, cable_sound: true
+                    at_rest: true,
+                    cable_sound: true
                 }]
             ),
             &now,
@@ -192,7 +194,8 @@ fn what_is_not_trustworthy_is_refused_and_says_what_to_do() {
         how: "alarm".into(),
         done: false,
         position_kept: true,
-        at_rest: true, cable_sound: true
+        at_rest: true,
+        cable_sound: true,
     };
     let after = |record: Record| {
         history_of(
@@ -327,14 +330,46 @@ fn a_start_by_line_number_needs_a_program_that_tells_the_place() {
 
 #[test]
 fn a_laser_comes_on_last() {
-    let text = "G21 G90 G94\nM4 S500\nG0 X0 Y0 Z0\nG1 X20 F800\nY20\nX0\nG20 G93\nX1 F40\nX0 F40\nM5\n";
+    let text =
+        "G21 G90 G94\nM4 S500\nG0 X0 Y0 Z0\nG1 X20 F800\nY20\nX0\nG20 G93\nX1 F40\nX0 F40\nM5\n";
     let mut now = here([-85.0, -90.0, -60.0]);
-    now.settings.iter_mut().filter(|s| s.0 == 32).for_each(|s| s.1 = 1.0);
-    let head = |line| from_line(text, line, false, &now, &ResumeOptions { overlap: Overlap::Nothing, ..operator() }).unwrap().head.join(" ");
-    assert!(head(5).ends_with("G53G0Z-60 G0X20Y0 S500 G0Z0 G1F800 F800 M4"), "{}", head(5));
-    assert!(head(9).ends_with("S500 G0Z0 G1F800 G20G93 M4"), "{}", head(9));
-    let shown = from_line(text, 5, false, &now, &operator()).unwrap().to_string();
-    assert!(shown.contains("laser            M4 S500, last of all") && shown.contains("down to          Z-60.000"), "{shown}");
+    now.settings
+        .iter_mut()
+        .filter(|s| s.0 == 32)
+        .for_each(|s| s.1 = 1.0);
+    let head = |line| {
+        from_line(
+            text,
+            line,
+            false,
+            &now,
+            &ResumeOptions {
+                overlap: Overlap::Nothing,
+                ..operator()
+            },
+        )
+        .unwrap()
+        .head
+        .join(" ")
+    };
+    assert!(
+        head(5).ends_with("G53G0Z-60 G0X20Y0 S500 G0Z0 G1F800 F800 M4"),
+        "{}",
+        head(5)
+    );
+    assert!(
+        head(9).ends_with("S500 G0Z0 G1F800 G20G93 M4"),
+        "{}",
+        head(9)
+    );
+    let shown = from_line(text, 5, false, &now, &operator())
+        .unwrap()
+        .to_string();
+    assert!(
+        shown.contains("laser            M4 S500, last of all")
+            && shown.contains("down to          Z-60.000"),
+        "{shown}"
+    );
 }
 
 #[test]
@@ -346,20 +381,54 @@ fn a_place_that_proves_nothing_is_refused() {
             &[
                 Record::Sent { line: 10 },
                 Record::Acknowledged { line: 9 },
-                Record::Report { state: "Hold:0".into(), machine: place, work_offset: None },
-                Record::End { how: "stopped".into(), done: false, position_kept: true, at_rest: true, cable_sound },
+                Record::Report {
+                    state: "Hold:0".into(),
+                    machine: place,
+                    work_offset: None,
+                },
+                Record::End {
+                    how: "stopped".into(),
+                    done: false,
+                    position_kept: true,
+                    at_rest: true,
+                    cable_sound,
+                },
             ],
         )
     };
     // On the way of the lines, but not where it was seen to stop.
-    let e = refusal(SQUARE, &stopped([-95.0, -90.0, -61.0], true), &here(ON_PATH), &shown);
-    assert!(e.contains("5.000 mm from any place where this job can have stopped"), "{e}");
-    let plan = resume(SQUARE, &fingerprint(SQUARE.as_bytes()), &stopped(ON_PATH, true), &here(ON_PATH), &shown).unwrap();
+    let e = refusal(
+        SQUARE,
+        &stopped([-95.0, -90.0, -61.0], true),
+        &here(ON_PATH),
+        &shown,
+    );
+    assert!(
+        e.contains("5.000 mm from any place where this job can have stopped"),
+        "{e}"
+    );
+    let plan = resume(
+        SQUARE,
+        &fingerprint(SQUARE.as_bytes()),
+        &stopped(ON_PATH, true),
+        &here(ON_PATH),
+        &shown,
+    )
+    .unwrap();
     assert_eq!(plan.evidence, Some(Evidence::OnPath));
     // Answers that a bad cable may have made up: the part is the operator's to judge.
     let e = refusal(SQUARE, &stopped(ON_PATH, false), &here(ON_PATH), &shown);
     assert!(e.starts_with("bytes were damaged on the cable, so lines may have been cut as others: inspect the part (stopped). If the part is sound, say --trust-position"), "{e}");
-    assert!(resume(SQUARE, &fingerprint(SQUARE.as_bytes()), &stopped(ON_PATH, false), &here(ON_PATH), &operator()).is_ok());
+    assert!(
+        resume(
+            SQUARE,
+            &fingerprint(SQUARE.as_bytes()),
+            &stopped(ON_PATH, false),
+            &here(ON_PATH),
+            &operator()
+        )
+        .is_ok()
+    );
     // A controller that was switched on anew says machine zero, and this job happens to go there.
     let mut zero = here([0.0; 3]);
     zero.offsets.g5x = [[0.0; 3]; 6];
@@ -373,5 +442,14 @@ fn a_place_that_proves_nothing_is_refused() {
     let killed = read(&w.take()[..]).unwrap();
     let e = refusal(text, &killed, &zero, &shown);
     assert!(e.starts_with("the machine says it stands at machine zero. The job can have stopped there, but a controller that was switched off"), "{e}");
-    assert!(resume(text, &fingerprint(text.as_bytes()), &killed, &zero, &operator()).is_ok());
+    assert!(
+        resume(
+            text,
+            &fingerprint(text.as_bytes()),
+            &killed,
+            &zero,
+            &operator()
+        )
+        .is_ok()
+    );
 }

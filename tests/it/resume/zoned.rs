@@ -101,8 +101,14 @@ fn an_answer_too_many_is_seen_by_the_place() {
     assert_eq!(seen(counted as f64 - 4.5, None, true).first, counted - 1);
     assert_eq!(seen(50.5, None, true).first, 54);
     // Seen before more was answered, it may have gone on since.
-    assert_eq!(seen(counted as f64 - 3.5, Some(105), true).first, counted + 5);
-    assert_eq!(seen(counted as f64 - 4.5, Some(105), true).first, counted - 1);
+    assert_eq!(
+        seen(counted as f64 - 3.5, Some(105), true).first,
+        counted + 5
+    );
+    assert_eq!(
+        seen(counted as f64 - 4.5, Some(105), true).first,
+        counted - 1
+    );
     // Beside the way it says nothing of lines.
     assert_eq!(seen(-20.0, None, true).first, counted);
     assert_eq!(seen(90.5, None, false).first, counted);
@@ -115,6 +121,10 @@ fn half_a_line_of_a_killed_sender_does_not_run() {
         c.feed(half.as_bytes());
         let before = c.position();
         let known = crate::campaign::bench::introduce(&c);
-        assert_eq!(known.machine_position.map(Into::into), Some(before), "{half}");
+        assert_eq!(
+            known.machine_position.map(Into::into),
+            Some(before),
+            "{half}"
+        );
     }
 }
