@@ -269,7 +269,8 @@ impl Controller {
             build,
             memory,
             parser,
-            intake: Intake::new(build.rx_bytes).cutting(build.profile.cutting(&build.quirks, &build.options)),
+            intake: Intake::new(build.rx_bytes)
+                .cutting(build.profile.cutting(&build.quirks, &build.options)),
             wall: None,
             flags: realtime::Flags::default(),
             steps: VecDeque::new(),

@@ -10,7 +10,8 @@
 //! - (f) the receive ring never overflows.
 //!
 //! Bytes that arrive damaged can make a legal, wrong line that no acknowledgement betrays; for those classes ([`faults::Class::is_clean`])
-//! (b), (c) and (d) hold only as long as the way was kept and no answer was made up, and the campaign counts how often it was not (`astray`).
+//! (b), (c) and (d) hold only as long as the way was kept and no answer was made up, and the campaign counts how often it was not (`astray`),
+//! and of these, how often the session or a resume noticed (`noticed`).
 #![allow(clippy::unwrap_used)]
 
 pub mod again;

@@ -6,7 +6,7 @@ use super::super::campaign::material::{Cuts, cuts_of_way, same_part};
 use crate::chance::Chance;
 use morsemill::controller::{Controller, Guests, News, Pace, Rig, RigOptions, Tcp};
 use morsemill::geom::{Point, Vector};
-use morsemill::link::journal::{Damage, History, read};
+use morsemill::link::journal::{Damage, History, Resumed, read};
 use morsemill::link::resume::{Refusal, zones};
 use morsemill::machine::Machine;
 use std::path::{Path, PathBuf};
@@ -21,6 +21,13 @@ const ZERO: [f64; 3] = [-200.0, -120.0, -20.0];
 const MACHINE: &str = "grbl-3018";
 /// Times real time.
 const SPEED: f64 = 10.0;
+
+/// The mill, driven away from where it was switched on.
+fn mill() -> Controller {
+    let mut controller = Controller::of_machine(&Machine::load(MACHINE).unwrap());
+    controller.set_work_zero(&Point::from(ZERO));
+    super::super::campaign::bench::standing_at(controller, [-150.0, -100.0, -5.0])
+}
 
 /// Passes of short moves, with arcs, a retract between them and a stop of the spindle; no place is come to twice.
 fn passes(dice: &mut Chance) -> String {
@@ -63,9 +70,7 @@ pub struct Table {
 
 impl Table {
     pub fn lay(dice: &mut Chance) -> Table {
-        let machine = Machine::load(MACHINE).unwrap();
-        let mut controller = Controller::of_machine(&machine);
-        controller.set_work_zero(&Point::from(ZERO));
+        let controller = mill();
         let rig = Rig::new(
             controller,
             RigOptions {
@@ -185,18 +190,16 @@ fn left(table: &Table, corners: &[Corner]) -> Left {
         Err(Refusal::NothingSent) => return Left::ToDiscard,
         Err(e) => panic!("{e}"),
     };
-    // It ran dry, so it stands where a line ends, unless it was on its way in.
-    let stands = |c: &&Corner| (c.to - place).norm() < 0.01;
-    if let Some(stop) = corners.iter().rfind(stands) {
+    // It ran dry, so it stands where a line ends, unless it was on its way in; lines that do not move end there too.
+    let came = |r: Resumed| history.acknowledged >= r.entry;
+    if begin.resumed.is_none_or(came) {
+        let stop = corners.iter().rposition(|c| (c.to - place).norm() < 0.01);
+        let stop = stop.unwrap_or_else(|| panic!("{place:?} is no line's end, {history:?}"));
+        let until = corners.get(stop + 1).map_or(z.lines, |c| c.line - 1);
         assert!(
-            (z.first - 1..=z.last).contains(&stop.line),
-            "stands at the end of line {}, but {z:?}",
-            stop.line
-        );
-    } else {
-        assert!(
-            begin.resumed.is_some() && history.acknowledged == 0,
-            "{place:?} is no line's end, {history:?}"
+            corners[stop].line <= z.last && z.first - 1 <= until,
+            "stands at the end of line {} to {until}, but {z:?}",
+            corners[stop].line
         );
     }
     Left::ToResume
@@ -206,12 +209,9 @@ fn left(table: &Table, corners: &[Corner]) -> Left {
 fn kill_and_resume(seed: u64, kills: usize) -> usize {
     let mut dice = Chance(seed);
     let table = Table::lay(&mut dice);
-    let machine = Machine::load(MACHINE).unwrap();
-    let mut start = Controller::of_machine(&machine);
-    start.set_work_zero(&Point::from(ZERO));
     let corners = way(
         &table.text,
-        &super::super::campaign::bench::introduce(&start).start(),
+        &super::super::campaign::bench::introduce(&mill()).start(),
     );
     let (mut resumed, mut next) = (0, Left::Nothing);
     for kill in 0..=kills {
@@ -231,10 +231,8 @@ fn kill_and_resume(seed: u64, kills: usize) -> usize {
         }
         // Until its own journal is there, or now and then not even so long; the moment within is the dice's and the system's.
         let began = Instant::now();
-        while dice.roll(8) > 0
-            && history(&table.journal()) == before
-            && child.try_wait().unwrap().is_none()
-        {
+        let begins = dice.roll(8) > 0;
+        while begins && history(&table.journal()) == before && child.try_wait().unwrap().is_none() {
             assert!(began.elapsed() < PATIENCE);
             std::thread::sleep(Duration::from_millis(5));
         }
