@@ -78,6 +78,7 @@ pub fn seeds() -> Vec<Vec<u8>> {
         done,
         position_kept: true,
         at_rest: true,
+        cable_sound: true,
     };
     let stories = [
         vec![

@@ -10,8 +10,8 @@ use super::mill::StockArg;
 use super::output::say;
 use super::send::pace;
 use crate::controller::{
-    Build, Controller, FaultPlan, Faults, Guests, Memory, News, Opening, Pace, Profile, Pty, Quirks,
-    Readout, Rig, RigOptions, Script, Switches, Tcp,
+    Build, Controller, FaultPlan, Faults, Guests, Memory, News, Opening, Pace, Profile, Pty,
+    Quirks, Readout, Rig, RigOptions, Script, Switches, Tcp,
 };
 use crate::machine::{Machine, SettingsFile};
 use rehearse::Bench;
@@ -42,7 +42,13 @@ pub struct ControllerArgs {
     pub allow_remote: bool,
     /// What opening the pseudo-terminal does: restart (as most boards: it greets half a second later, and hears what was said meanwhile),
     /// bootloader (as an Arduino Uno: 1.6 s, in which what is said is lost) or nothing (reset not wired to DTR)
-    #[arg(long, value_name = "WHAT", value_enum, default_value = "restart", conflicts_with = "tcp")]
+    #[arg(
+        long,
+        value_name = "WHAT",
+        value_enum,
+        default_value = "restart",
+        conflicts_with = "tcp"
+    )]
     pub on_open: OnOpen,
     /// Let this name point to the pseudo-terminal as long as it is there, for senders that want to be told once what to open
     #[arg(long, value_name = "PATH", requires = "pty", conflicts_with = "tcp")]

@@ -275,7 +275,8 @@ impl<P: Pipe> Server<P> {
             Pace::Unbound if next.is_some() || self.rig.is_moving() => LOOK,
             Pace::Unbound => REST,
             Pace::Times(factor) => next.map_or(REST, |at| {
-                let soon = ((at - self.rig.now()) / factor).clamp(LOOK.as_secs_f64(), REST.as_secs_f64());
+                let soon =
+                    ((at - self.rig.now()) / factor).clamp(LOOK.as_secs_f64(), REST.as_secs_f64());
                 // (Not a number only if the factor was none.)
                 Duration::try_from_secs_f64(soon).unwrap_or(LOOK)
             }),

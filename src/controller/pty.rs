@@ -58,8 +58,7 @@ impl Pty {
         pace: Pace,
         news: Option<Sender<News>>,
     ) -> Result<Pty, PtyError> {
-        let (near, path) =
-            Near::open(opening).map_err(|e| PtyError::Unavailable(e.to_string()))?;
+        let (near, path) = Near::open(opening).map_err(|e| PtyError::Unavailable(e.to_string()))?;
         let front = Front::start(rig, near, pace, news).map_err(PtyError::Thread)?;
         Ok(Pty { path, front })
     }
@@ -155,7 +154,10 @@ impl Pipe for Near {
             Err(_) => None,
         };
         // Bytes are read before the openings are looked at: those of a host that has just come are then never taken for its forerunner's.
-        let opened = self.doorman.as_mut().is_some_and(|d| d.look(heard.is_none()));
+        let opened = self
+            .doorman
+            .as_mut()
+            .is_some_and(|d| d.look(heard.is_none()));
         self.gone = heard.is_none() && !opened;
         match heard {
             _ if opened => Heard::Opened(heard.unwrap_or(0)),

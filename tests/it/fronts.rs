@@ -315,7 +315,10 @@ fn read_until(file: &mut std::fs::File, end: &str) -> String {
         if text.contains(end) {
             return text;
         }
-        assert!(start.elapsed() < PATIENCE, "waited for {end:?}, got {text:?}");
+        assert!(
+            start.elapsed() < PATIENCE,
+            "waited for {end:?}, got {text:?}"
+        );
         std::thread::sleep(Duration::from_millis(1));
     }
 }
@@ -336,7 +339,10 @@ fn an_opening_right_behind_a_closing_restarts_too() {
     let mut file = open_raw(pty.path());
     for round in 0..30 {
         let said = read_until(&mut file, "help]\r\n");
-        assert!(said.ends_with("\r\nGrbl 1.1h ['$' for help]\r\n"), "round {round}: {said:?}");
+        assert!(
+            said.ends_with("\r\nGrbl 1.1h ['$' for help]\r\n"),
+            "round {round}: {said:?}"
+        );
         file.write_all(b"G0X5\n").unwrap();
         assert!(read_until(&mut file, "ok\r\n").starts_with("ok\r\n"));
         wait_for("X5", || pty.readout().position[0] == 5.0);
@@ -383,8 +389,14 @@ fn what_opening_does_is_a_matter_of_the_board() {
     let said = read_until(&mut file, "ok\r\n");
     file.write_all(b"?").unwrap();
     let said = said + &read_until(&mut file, ">\r\n");
-    assert!(said.starts_with("\r\nGrbl 1.1h ['$' for help]\r\n"), "{said}");
-    assert!(said.contains("[VER:") && said.contains("<Idle|MPos:0.000,"), "{said}");
+    assert!(
+        said.starts_with("\r\nGrbl 1.1h ['$' for help]\r\n"),
+        "{said}"
+    );
+    assert!(
+        said.contains("[VER:") && said.contains("<Idle|MPos:0.000,"),
+        "{said}"
+    );
     // A boot loader eats it.
     let (pty, _) = serve(Opening::BootLoader(Duration::from_millis(60)));
     let mut file = open_raw(pty.path());
@@ -430,7 +442,8 @@ fn telnet_programs_reset_and_hold_nothing() {
     let mut s = connect(tcp.address());
     until(&mut s, "help]\r\n");
     // Offers that telnet programs make: terminal type (24, GRBL's reset), flow control (33, its hold).
-    s.write_all(b"G1X5F6000\n\xff\xfb\x18\xff\xfd\x21G4P0\n?").unwrap();
+    s.write_all(b"G1X5F6000\n\xff\xfb\x18\xff\xfd\x21G4P0\n?")
+        .unwrap();
     let (mut got, start) = (Vec::new(), Instant::now());
     while !String::from_utf8_lossy(&got).contains("<Idle|MPos:5.000,") {
         let mut buffer = [0; 256];
@@ -441,7 +454,10 @@ fn telnet_programs_reset_and_hold_nothing() {
         assert!(start.elapsed() < PATIENCE);
     }
     let declined = [0xff, 0xfe, 0x18, 0xff, 0xfc, 0x21];
-    assert!(got.windows(6).any(|w| w == declined), "the offers are declined");
+    assert!(
+        got.windows(6).any(|w| w == declined),
+        "the offers are declined"
+    );
     let text = String::from_utf8_lossy(&got);
     assert!(!text.contains("Grbl") && !text.contains("Hold"), "{text}");
 }
@@ -475,7 +491,10 @@ fn a_name_for_the_pseudo_terminal_comes_and_goes_with_it() {
     let (mut writer, stopper) = (out.clone(), stop.clone());
     let thread = std::thread::spawn(move || run_until(&args, &mut writer, &stopper));
     wait_for("its path", || out.text().ends_with('\n'));
-    assert_eq!(std::fs::read_link(&link).unwrap().to_str(), Some(out.text().trim()));
+    assert_eq!(
+        std::fs::read_link(&link).unwrap().to_str(),
+        Some(out.text().trim())
+    );
     let mut file = open_raw(&name);
     read_until(&mut file, "help]\r\n");
     drop(file);
@@ -484,7 +503,10 @@ fn a_name_for_the_pseudo_terminal_comes_and_goes_with_it() {
     assert!(std::fs::read_link(&link).is_err(), "it is gone");
     std::fs::write(&link, "mine").unwrap();
     let args = Cli::try_parse_from(words).unwrap().controller;
-    assert_eq!(run_until(&args, &mut Vec::new(), &AtomicBool::new(false)), 2);
+    assert_eq!(
+        run_until(&args, &mut Vec::new(), &AtomicBool::new(false)),
+        2
+    );
     assert!(Cli::try_parse_from(["c", "--tcp", "127.0.0.1:0", "--link", "x"]).is_err());
     assert!(Cli::try_parse_from(["c", "--tcp", "127.0.0.1:0", "--on-open", "nothing"]).is_err());
 }

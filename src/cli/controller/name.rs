@@ -79,6 +79,9 @@ mod tests {
         assert!(Link::make(&theirs, "/dev/pts/43").is_err());
         assert_eq!(std::fs::read_to_string(&theirs).unwrap(), "mine");
         let refused = Link::make(&dir.path().join("no/mill"), "/dev/pts/43").unwrap_err();
-        assert!(refused.ends_with("Choose a place where you may write"), "{refused}");
+        assert!(
+            refused.ends_with("Choose a place where you may write"),
+            "{refused}"
+        );
     }
 }

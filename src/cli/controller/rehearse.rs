@@ -26,7 +26,11 @@ pub(super) struct Bench {
 impl Bench {
     /// Lays the part on the table as `check` does, under a machine with so many motor steps a millimetre. A motor stands on its nearest
     /// step: by so much its way may differ from the program's without anything being wrong.
-    pub fn lay(part: &Path, args: &ControllerArgs, steps_per_mm: &[f64; 3]) -> Result<Bench, String> {
+    pub fn lay(
+        part: &Path,
+        args: &ControllerArgs,
+        steps_per_mm: &[f64; 3],
+    ) -> Result<Bench, String> {
         let words = |e: Failure| match e {
             Failure::Rejected(text) | Failure::Failed(text) => text,
         };
@@ -43,7 +47,8 @@ impl Bench {
             bounds.size().z,
             args.tool.tool
         ));
-        let rounding = Vector::from(steps_per_mm.map(|s| if s > 0.0 { 0.5 / s } else { 0.0 })).norm();
+        let rounding =
+            Vector::from(steps_per_mm.map(|s| if s > 0.0 { 0.5 / s } else { 0.0 })).norm();
         let mut options = DryRunOptions::new(args.tool.scallop, args.stock.stock(bounds.max.z));
         options.gouge_limit_mm += rounding;
         options.collision_limit_mm += rounding;

@@ -33,7 +33,9 @@ pub(super) fn check(rest: &str, at: usize) -> Result<(), Fault> {
     };
     let run = |text: &str| {
         let end = text.find(|c: char| !c.is_ascii_alphanumeric());
-        text.get(..end.unwrap_or(text.len())).unwrap_or_default().to_string()
+        text.get(..end.unwrap_or(text.len()))
+            .unwrap_or_default()
+            .to_string()
     };
     let word = run(rest);
     let letters: String = word.chars().take_while(char::is_ascii_alphabetic).collect();

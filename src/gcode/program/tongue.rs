@@ -78,7 +78,9 @@ impl<R: BufRead + Seek> Interpreter<R> {
         let name = label_of(&self.language);
         let start = self.labels.program(&mut self.source, label, name);
         let Some(start) = start.map_err(|e| unreadable(&e))? else {
-            let name = label.strip_prefix("%_N_").and_then(|l| l.strip_suffix("_SPF"));
+            let name = label
+                .strip_prefix("%_N_")
+                .and_then(|l| l.strip_suffix("_SPF"));
             return Err(flow(
                 0,
                 match name {

@@ -205,15 +205,24 @@ const HAAS_OWN: &[Entry] = &[
 ];
 
 const HAAS_M: &[Entry] = &[
-    (3400, Nothing(Group::Chips, NONE, "coolant nozzle down a step")),
-    (3500, Nothing(Group::Chips, NONE, "coolant nozzle up a step")),
+    (
+        3400,
+        Nothing(Group::Chips, NONE, "coolant nozzle down a step"),
+    ),
+    (
+        3500,
+        Nothing(Group::Chips, NONE, "coolant nozzle up a step"),
+    ),
     (4100, Refused(GEARS)),
     (4200, Refused(GEARS)),
     (8300, Refused(AIR)),
     (8400, Refused(AIR)),
     (8800, Refused(THROUGH_SPINDLE)),
     (8900, Refused(THROUGH_SPINDLE)),
-    (9700, Refused("a local call takes P and stands by itself: M97 P and the line number")),
+    (
+        9700,
+        Refused("a local call takes P and stands by itself: M97 P and the line number"),
+    ),
     (2900, Refused(TAPPING)),
     (3100, Nothing(Group::Chips, NONE, "chip conveyor on")),
     (3300, Nothing(Group::Chips, NONE, "chip conveyor off")),

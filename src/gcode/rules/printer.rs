@@ -14,8 +14,9 @@ const HEAT: &str = "it heats, and a mill has nothing to heat; remove it";
 const TUNING: &str = "it changes how the machine moves; set that at the machine";
 const MESSAGE: &str = "it shows a text, which is not read; write it as a comment behind ;";
 /// The firmwares have hundreds of these, for printing, settings and questions.
-const NO_MILLING: Option<&str> =
-    Some("what it does is not read here (printing, settings, questions to the firmware); remove it");
+const NO_MILLING: Option<&str> = Some(
+    "what it does is not read here (printing, settings, questions to the firmware); remove it",
+);
 const NO_CYCLES: &str = "drilling cycles are not built in here; write the moves out";
 
 const PRINTER: &[Entry] = &[
@@ -49,7 +50,10 @@ const PRINTER_M: &[Entry] = &[
     (22000, Refused(TUNING)),
     (22100, Refused(TUNING)),
     (40000, Wait),
-    (11000, Nothing(Group::Data, NONE, "sets the number of the line")),
+    (
+        11000,
+        Nothing(Group::Data, NONE, "sets the number of the line"),
+    ),
     (11700, Refused(MESSAGE)),
     (11800, Refused(MESSAGE)),
 ];

@@ -72,7 +72,9 @@ pub(super) fn refused(name: &str) -> Option<&'static str> {
         "FLIN" | "FCUB" | "FPO" => "the feed would change along the path; write FNORM",
         "FZ" => "write the feed in mm/min with G94 and F",
         "FB" => "write the feed of the block with F",
-        "FGROUP" | "FGREF" | "FL" => "the feed would hold for other axes than X, Y and Z together; remove it",
+        "FGROUP" | "FGREF" | "FL" => {
+            "the feed would hold for other axes than X, Y and Z together; remove it"
+        }
         "ANG" => "post the point as X Y Z",
         "INVCW" | "INVCCW" => "post the curve as G1, G2 and G3",
         "AP" | "RP" => "post the point as X Y Z",

@@ -1,6 +1,7 @@
 #![allow(clippy::unwrap_used)]
 use super::*;
-use crate::gcode::{Distance, MotionMode, Units};
+use crate::gcode::{Dialect, Distance, MotionMode, Units};
+use crate::geom::Point;
 use crate::units::MmPerMin;
 
 fn at(ms: u64) -> Duration {
