@@ -276,7 +276,7 @@ impl Session {
             let left = lines.state().machine_position();
             lines.stands_at(&place, work_zero);
             let by = (place - left).norm();
-            let active = 1u8
+            let active = 1u16
                 .checked_shl(lines.state().work_offset as u32)
                 .unwrap_or(0);
             match why {
