@@ -119,6 +119,8 @@ pub struct Session {
     /// Reports in a row that lie off the way.
     off_reports: u32,
     look: Look,
+    /// Work systems (bit 0: G54) whose zeros are as the program is read.
+    zeros_known: u16,
     idle_since: Option<Duration>,
     moved: Duration,
     first_motion: Option<Duration>,
@@ -209,6 +211,7 @@ impl Session {
             watch: None,
             off_reports: 0,
             look: Look::No,
+            zeros_known: u16::MAX,
             idle_since: None,
             moved: now,
             first_motion: None,

@@ -1,5 +1,6 @@
 //! What the operator wants: hold, resume, overrides one step at a time, stop.
 
+use super::watching::Why;
 use super::{Phase, Session};
 use crate::link::command::Command;
 use crate::link::outcome::Ending;
@@ -153,7 +154,7 @@ impl Session {
         } else if self.tool_change().is_some() {
             (self.waiting, self.prompt_told) = (None, false);
             // The modes are brought back once a report has told where the operator left the machine.
-            self.look_now(true, now);
+            self.look_now(Why::Change, now);
             self.news.push(Progress::Resumed);
         } else {
             self.note("nothing is on hold: there is nothing to resume");

@@ -101,7 +101,7 @@ impl Session {
                 }
                 continue;
             }
-            if self.look == Look::Due {
+            if matches!(self.look, Look::Due(_)) {
                 return;
             }
             if self.next.is_none() && self.closing == Closing::NotYet {

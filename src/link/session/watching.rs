@@ -9,7 +9,7 @@ use super::{Phase, Session};
 use crate::gcode::Event;
 use crate::geom::{Point, Vector};
 use crate::kinematics::chords;
-use crate::link::job::{JobLine, JobLines, Unreadable};
+use crate::link::job::{JobLine, Unreadable};
 use crate::link::outcome::Ending;
 use crate::link::progress::PromptKind;
 use crate::link::stream::Flight;
@@ -34,8 +34,8 @@ pub(super) struct Upcoming {
     pub line: JobLine,
     /// Machine coordinates, mm.
     pub way: Vec<Point>,
-    /// Only the machine knows where it stands behind it.
-    pub ends_anywhere: bool,
+    /// Only the machine knows where it stands behind it, or by which zero it moves.
+    pub ends_anywhere: Option<Why>,
     /// The machine was brought to rest for it.
     pub settled: bool,
 }
@@ -46,10 +46,21 @@ impl From<JobLine> for Upcoming {
         Upcoming {
             line,
             way: Vec::new(),
-            ends_anywhere: false,
+            ends_anywhere: None,
             settled: false,
         }
     }
+}
+
+/// What a look has to tell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Why {
+    /// Where the machine stands.
+    Place,
+    /// That, and where the active work zero lies: a system was chosen whose zero may have been set anew at a tool change.
+    Zero,
+    /// The same behind a tool change.
+    Change,
 }
 
 /// Whether the session has to look where the machine stands.
@@ -58,11 +69,11 @@ pub(super) enum Look {
     /// The text tells.
     No,
     /// A line is under way behind which it has to.
-    Due,
+    Due(Why),
     /// Now.
     Now {
-        /// The work zero may have changed too.
-        zero: bool,
+        /// What for.
+        why: Why,
         /// Since then.
         since: Duration,
         /// Reports heard.
@@ -121,7 +132,7 @@ impl Session {
                 self.own.push_back(Upcoming {
                     line,
                     way: way(preparer.events(), &place, self.arc_tolerance()),
-                    ends_anywhere: false,
+                    ends_anywhere: None,
                     settled: false,
                 });
             }
@@ -135,9 +146,25 @@ impl Session {
         let Some(lines) = &mut self.lines else {
             return Ok(None);
         };
-        Ok(lines.next_line()?.map(|line| Upcoming {
-            way: way(lines.events(), &lines.state().machine_position(), tolerance),
-            ends_anywhere: ends_anywhere(&line, lines),
+        let Some(line) = lines.next_line()? else {
+            return Ok(None);
+        };
+        let state = lines.state();
+        let chosen = 1u16.checked_shl(state.work_offset as u32).unwrap_or(0);
+        let ends_anywhere = if self.zeros_known & chosen == 0 {
+            Some(Why::Zero)
+        } else {
+            ends_anywhere(&line, lines.events())
+        };
+        let way = way(lines.events(), &state.machine_position(), tolerance);
+        Ok(Some(Upcoming {
+            // By a zero that nobody knows, nobody knows the way.
+            way: if ends_anywhere == Some(Why::Zero) {
+                Vec::new()
+            } else {
+                way
+            },
+            ends_anywhere,
             settled: false,
             line,
         }))
@@ -157,8 +184,8 @@ impl Session {
         {
             watch.sent(upcoming.line.source, upcoming.way.iter().copied());
         }
-        if upcoming.ends_anywhere {
-            self.look = Look::Due;
+        if let Some(why) = upcoming.ends_anywhere {
+            self.look = Look::Due(why);
         }
     }
 
@@ -168,16 +195,19 @@ impl Session {
             watch.answered(line.source);
         }
         // At a tool change the operator's resume comes first.
-        if self.look == Look::Due && self.stream.is_empty() && line.prompt.is_none() {
-            self.look_now(false, now);
+        if let Look::Due(why) = self.look
+            && why != Why::Change
+            && self.stream.is_empty()
+        {
+            self.look_now(why, now);
         }
     }
 
     /// Where does the machine stand?
-    pub(super) fn look_now(&mut self, zero: bool, now: Duration) {
+    pub(super) fn look_now(&mut self, why: Why, now: Duration) {
         let (since, reports) = (now, 0);
         self.look = Look::Now {
-            zero,
+            why,
             since,
             reports,
         };
@@ -192,28 +222,28 @@ impl Session {
         let told = status.position.is_some() && self.places(status);
         match self.look {
             Look::Now {
-                zero,
+                why,
                 since,
                 reports,
             } => {
                 // What was answered is behind us in every report that follows; what an operator did is not.
-                let stale = zero && !self.reports_know_of(since, now);
+                let stale = why == Why::Change && !self.reports_know_of(since, now);
                 if status.state != State::Idle || stale {
                     return;
                 }
                 let reports = reports + 1;
-                let all = told && (!zero || status.work_offset.is_some());
+                let all = told && (why == Why::Place || status.work_offset.is_some());
                 if all || reports >= OFFSET_REPORTS {
-                    self.looked(zero);
+                    self.looked(why);
                 } else {
                     self.look = Look::Now {
-                        zero,
+                        why,
                         since,
                         reports,
                     };
                 }
             }
-            _ if !told || self.prompt_told => {}
+            _ if !told || self.prompt_told || self.look == Look::Due(Why::Zero) => {}
             // A door may park the tool elsewhere; other states are none of the program's.
             _ if matches!(status.state, State::Run | State::Idle | State::Hold { .. }) => {
                 self.compare_place(now);
@@ -230,22 +260,32 @@ impl Session {
         !(by_work && status.work_offset.is_none() && self.stream.unanswered().any(changes))
     }
 
-    fn looked(&mut self, zero: bool) {
+    fn looked(&mut self, why: Why) {
         self.look = Look::No;
+        let change = why == Why::Change;
         let Some(place) = self.known.machine_position.map(Point::from) else {
             self.unwatched("the controller does not tell where it stands");
-            return self.behind_a_change(zero);
+            return self.behind_a_change(change);
         };
         let work_zero = self
             .known
             .work_offset
             .map(Vector::from)
-            .filter(|_| zero && self.watch.is_some());
+            .filter(|_| why != Why::Place && self.watch.is_some());
         if let Some(lines) = &mut self.lines {
             let left = lines.state().machine_position();
             lines.stands_at(&place, work_zero);
             let by = (place - left).norm();
-            if zero && by > MOVED && self.watch.is_some() {
+            let active = 1u16
+                .checked_shl(lines.state().work_offset as u32)
+                .unwrap_or(0);
+            match why {
+                Why::Place => {}
+                Why::Zero => self.zeros_known |= active,
+                // The others may have been set anew with it.
+                Why::Change => self.zeros_known = active,
+            }
+            if change && by > MOVED && self.watch.is_some() {
                 self.note(&format!(
                     "the machine stands {by:.2} mm from where the tool was changed, at machine X{:.3} Y{:.3} Z{:.3}: the program goes on from here",
                     place.x, place.y, place.z
@@ -255,7 +295,7 @@ impl Session {
         if let Some(watch) = &mut self.watch {
             watch.stands_at(place);
         }
-        self.behind_a_change(zero);
+        self.behind_a_change(change);
     }
 
     /// Behind a tool change the program's modes have to hold again.
@@ -319,14 +359,15 @@ fn way(events: &[Event], stands: &Point, arc_tolerance: Mm) -> Vec<Point> {
     places
 }
 
-fn ends_anywhere(line: &JobLine, lines: &JobLines) -> bool {
+fn ends_anywhere(line: &JobLine, events: &[Event]) -> Option<Why> {
     let changes_tool = line
         .prompt
         .as_ref()
         .is_some_and(|p| matches!(p.kind, PromptKind::ToolChange { .. }));
-    let probes = lines
-        .events()
-        .iter()
-        .any(|e| matches!(e, Event::Probe { .. }));
-    changes_tool || probes || line.text.starts_with('$')
+    let probes = events.iter().any(|e| matches!(e, Event::Probe { .. }));
+    match () {
+        () if changes_tool => Some(Why::Change),
+        () if probes || line.text.starts_with('$') => Some(Why::Place),
+        () => None,
+    }
 }

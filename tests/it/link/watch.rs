@@ -222,6 +222,31 @@ fn behind_a_tool_change_the_way_goes_on_from_where_the_operator_left_it() {
     );
 }
 
+/// The new tool's length goes into every work offset; those that were not active are looked at when they are chosen.
+#[test]
+fn offsets_set_anew_at_a_tool_change_are_found_out_when_they_are_chosen() {
+    let program = "G21 G90 G54 G94 G17\nM3 S1000\nG1 X5 F600\nT2 M6\nG1 Z2\nG55 G1 X7 F900\nY3\nG54\nX2\nG55\nX1\nG0 X3\nM30\n";
+    let mut m = memory();
+    m.places[1] = [10.0, 5.0, 0.0];
+    let mut bench = Bench::on(Controller::new(m), program, 5);
+    bench.until("change to tool 2");
+    for line in ["G10 L2 P1 Z-4\n", "G10 L2 P2 X10 Y5 Z-4\n"] {
+        bench.controller.feed(line.as_bytes());
+        bench.ticks(900);
+    }
+    bench.command(Command::Resume);
+    let outcome = bench.finish();
+    assert_eq!(
+        outcome.ending,
+        Ending::Done,
+        "{} {:?}",
+        outcome.ending,
+        bench.log
+    );
+    let place = bench.controller.position();
+    assert_eq!([place.x, place.y, place.z], [13.0, 8.0, -2.0]);
+}
+
 #[test]
 fn behind_a_tool_change_nothing_relies_on_an_arc() {
     let program = "G21 G90 G54 G94 G17\nG2 X5 I2.5 F600\nT2 M6\nX9 I2\nM30\n";
