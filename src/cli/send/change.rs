@@ -97,7 +97,12 @@ impl Changer {
         if matches!(self.gauge, Gauge::Sensor(_)) && self.reference.is_none() {
             listener.note("measuring the tool in the spindle, before it is taken out");
             match self.touch(hands, listener) {
-                Ok(touch) => self.reference = touch,
+                Ok(Some(touch)) => self.reference = Some(touch),
+                Ok(None) => {
+                    return Changed::Lost(
+                        "the old tool was not measured, so that nobody could tell how much longer the new one is: see to the sensor, then begin again with --resume".to_string(),
+                    );
+                }
                 Err(why) => return Changed::Lost(why),
             }
         }

@@ -94,7 +94,7 @@ fn busy(state: &State) -> String {
         ),
         // grblHAL's own tool change: lines are taken, jogs and probes too, until it is acknowledged.
         State::Other(text) if text == "Tool" => {
-            "the controller waits in a tool change of its own (state Tool): finish it and go on with ~ in `morsemill console`, or reset it. \
+            "the controller is not idle but says Tool, a tool change of its own: finish it and go on with ~ in `morsemill console`, or reset it. \
              `send` makes tool changes itself and never sends M6"
                 .to_string()
         }
