@@ -123,10 +123,17 @@ impl Paths {
         };
         let buckets = &self.buckets;
         let size = buckets.size;
-        let guess = buckets.row(expected.y) * buckets.nx + buckets.column(expected.x);
-        self.look(guess, p, &mut near);
         // Nothing in a bucket is nearer than its box, which begins at its lowest centre.
         let gap_sq = |v: f64, first: f64| self.gap(v, first).powi(2);
+        let (gx, gy) = (buckets.column(expected.x), buckets.row(expected.y));
+        let guess = gy * buckets.nx + gx;
+        // Where all of a program lies beside the part the guess is a bucket at the rim, full and far away.
+        if gap_sq(p.x, buckets.origin.x + gx as f64 * size)
+            + gap_sq(p.y, buckets.origin.y + gy as f64 * size)
+            <= near.best_sq
+        {
+            self.look(guess, p, &mut near);
+        }
         let within = near.best_sq.sqrt() + 1e-4 * size;
         let columns = buckets.columns(p.x - within, p.x + within);
         for by in buckets.rows(p.y - within, p.y + within) {
