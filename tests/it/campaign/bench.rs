@@ -319,12 +319,14 @@ impl Bench {
                 Progress::Report(_) => {}
                 other => self.say(|| format!("   {other:?}")),
             }
+            // Behind a door that was opened at a tool change, the tool change waits still.
+            let waits = news == Progress::Resumed && self.session.tool_change().is_some();
             match news {
                 Progress::Note(text) if text.contains("close it, then resume") => {
                     self.wishes
                         .push_back((self.rig.now() + 1.0, Command::Resume));
                 }
-                Progress::Prompt(_) | Progress::Paused(_) => {
+                _ if waits || matches!(news, Progress::Prompt(_) | Progress::Paused(_)) => {
                     let at = self.rig.now() + 0.3 + self.dice.part();
                     let place = self
                         .wishes
