@@ -3,8 +3,8 @@
 use super::complaint::error_number;
 use super::execute::Step;
 use super::{Controller, Mode};
-use crate::gcode::{State as Parser, interpret_jog};
 use crate::gcode::single::read_single;
+use crate::gcode::{State as Parser, interpret_jog};
 use crate::geom::Point;
 use crate::kinematics::Speed;
 

@@ -25,11 +25,7 @@ pub(super) const RESUMING: (u32, u32) = (80, 20);
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Step {
     /// Queue a straight block; waits while the window is full. Machine coordinates, mm.
-    Block {
-        to: Point,
-        speed: Speed,
-        beam: Beam,
-    },
+    Block { to: Point, speed: Speed, beam: Beam },
     /// The firmware computes for so long, s, on a machine that takes time to think.
     Think(f64),
     /// What is queued may start.

@@ -142,7 +142,11 @@ impl Controller {
                 for axis in (0..3).filter(|&i| axes[i] && limits[i]) {
                     homing.stopped[axis].get_or_insert(place[axis]);
                 }
-                if homing.leg == 0 && axes[1] && limits[1] && second.is_some_and(|gap| gap > allowed) {
+                if homing.leg == 0
+                    && axes[1]
+                    && limits[1]
+                    && second.is_some_and(|gap| gap > allowed)
+                {
                     // One side has arrived and the other is still under way: the gantry stands askew.
                     return self.homing_failed(10);
                 }

@@ -268,7 +268,8 @@ impl Controller {
             build,
             memory,
             parser,
-            intake: Intake::new(build.rx_bytes).cutting(build.profile.cutting(&build.quirks, &build.options)),
+            intake: Intake::new(build.rx_bytes)
+                .cutting(build.profile.cutting(&build.quirks, &build.options)),
             wall: None,
             flags: realtime::Flags::default(),
             steps: VecDeque::new(),

@@ -168,7 +168,11 @@ impl Options {
     /// The letters that `$I` shows for it.
     pub(super) fn letters(&self) -> String {
         let spindle = if self.variable_spindle { "V" } else { "" };
-        let dual = if self.second_y_switch_um.is_some() { "2" } else { "" };
+        let dual = if self.second_y_switch_um.is_some() {
+            "2"
+        } else {
+            ""
+        };
         format!("{spindle}{dual}")
     }
 }

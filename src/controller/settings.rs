@@ -219,7 +219,9 @@ impl Memory {
     /// The most steps an axis makes in a second at its highest rate.
     pub(super) fn steps_per_second(&self) -> f64 {
         let (steps, rate) = (self.axes(100), self.axes(110));
-        (0..3).map(|i| steps[i] * rate[i] / 60.0).fold(0.0, f64::max)
+        (0..3)
+            .map(|i| steps[i] * rate[i] / 60.0)
+            .fold(0.0, f64::max)
     }
 
     /// Bytes of the chip that change from one to the other, checksums counted.
@@ -240,7 +242,9 @@ impl Memory {
             .sum();
         let texts = self.startup.iter().zip(&after.startup);
         let texts = texts.chain([(&self.build_text, &after.build_text)]);
-        let written: usize = texts.map(|(b, a)| if b == a { 0 } else { a.len().max(1) + 1 }).sum();
+        let written: usize = texts
+            .map(|(b, a)| if b == a { 0 } else { a.len().max(1) + 1 })
+            .sum();
         bytes + usize::from(bytes > 0) + moved + written
     }
 

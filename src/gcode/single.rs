@@ -61,7 +61,12 @@ mod tests {
     #[test]
     fn halves_go_where_the_firmware_sends_them() {
         // Recorded: the step counts of GRBL 1.1h at 250 steps/mm.
-        for (text, steps) in [("0.91", 227.0), ("+3.91", 977.0), ("2", 500.0), ("-0.5", -125.0)] {
+        for (text, steps) in [
+            ("0.91", 227.0),
+            ("+3.91", 977.0),
+            ("2", 500.0),
+            ("-0.5", -125.0),
+        ] {
             let f = read_single(&leading(text)) as f32;
             assert_eq!((f * 250.0).round(), steps, "{text}");
         }

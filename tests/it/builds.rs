@@ -87,7 +87,10 @@ fn laser_mode_without_a_spindle_speed_is_error_17() {
     };
     for value in ["1", "2.5"] {
         let mut c = built(options, Memory::default());
-        assert_eq!(after(&mut c, &format!("$32={value}\n"), 0.1), "error:17\r\n");
+        assert_eq!(
+            after(&mut c, &format!("$32={value}\n"), 0.1),
+            "error:17\r\n"
+        );
         assert_eq!(after(&mut c, "$32=0\n", 0.1), "ok\r\n");
         assert!(after(&mut c, "?", 0.1).contains("|F:0|"));
         assert!(after(&mut c, "$I\n", 0.1).contains("[OPT:,15,128]"));
