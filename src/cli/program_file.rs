@@ -151,7 +151,7 @@ impl JobSource for ProgramFile {
 }
 
 impl ProgramText for ProgramFile {
-    fn from_start(&self) -> io::Result<Box<dyn TextReader + '_>> {
+    fn open_text(&self) -> io::Result<Box<dyn TextReader + '_>> {
         Ok(self.read())
     }
 }

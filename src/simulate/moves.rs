@@ -7,12 +7,15 @@ use std::ops::Range;
 /// Moves held at once (some 250 bytes each with all that sorts them).
 pub const MOST_HELD: usize = 1 << 20;
 
+/// Tells all moves, one by one.
+pub type Tells<'a> = dyn Fn(&mut dyn FnMut(&Move)) + 'a;
+
 /// Moves in program order, as often as they are asked for.
 pub enum Moves<'a> {
     /// In memory.
     Held(&'a [Move]),
     /// Read anew each time.
-    Read(&'a dyn Fn(&mut dyn FnMut(&Move))),
+    Read(&'a Tells<'a>),
 }
 
 impl Moves<'_> {

@@ -10,40 +10,40 @@ pub trait ProgramText: Sync {
     ///
     /// # Errors
     /// What opening it answers.
-    fn from_start(&self) -> io::Result<Box<dyn TextReader + '_>>;
+    fn open_text(&self) -> io::Result<Box<dyn TextReader + '_>>;
 
     /// How many lines it has.
     ///
     /// # Errors
     /// What reading it answers.
     fn count_lines(&self) -> io::Result<usize> {
-        let mut lines = Source::new(self.from_start()?)?;
+        let mut lines = Source::new(self.open_text()?)?;
         while lines.read()?.is_some() {}
         Ok(lines.place().line - 1)
     }
 }
 
 impl ProgramText for str {
-    fn from_start(&self) -> io::Result<Box<dyn TextReader + '_>> {
+    fn open_text(&self) -> io::Result<Box<dyn TextReader + '_>> {
         Ok(Box::new(Cursor::new(self.as_bytes())))
     }
 }
 
 impl ProgramText for String {
-    fn from_start(&self) -> io::Result<Box<dyn TextReader + '_>> {
+    fn open_text(&self) -> io::Result<Box<dyn TextReader + '_>> {
         Ok(Box::new(Cursor::new(self.as_bytes())))
     }
 }
 
 impl ProgramText for dyn JobSource {
-    fn from_start(&self) -> io::Result<Box<dyn TextReader + '_>> {
-        Ok(self.open()?)
+    fn open_text(&self) -> io::Result<Box<dyn TextReader + '_>> {
+        self.open().map(|text| text as Box<dyn TextReader>)
     }
 }
 
 impl<T: ProgramText + ?Sized> ProgramText for &T {
-    fn from_start(&self) -> io::Result<Box<dyn TextReader + '_>> {
-        (**self).from_start()
+    fn open_text(&self) -> io::Result<Box<dyn TextReader + '_>> {
+        (**self).open_text()
     }
 }
 
@@ -58,10 +58,10 @@ pub(super) struct Joined<'a> {
 impl<'a> Joined<'a> {
     /// `head`, then `text` from `line` on.
     pub fn new(head: &[String], text: &'a dyn ProgramText, line: usize) -> io::Result<Joined<'a>> {
-        let mut lines = Source::new(text.from_start()?)?;
+        let mut lines = Source::new(text.open_text()?)?;
         while lines.place().line < line && lines.read()?.is_some() {}
         let from = lines.place().offset;
-        let mut tail = text.from_start()?;
+        let mut tail = text.open_text()?;
         tail.seek(SeekFrom::Start(from))?;
         let mut front = head.join("\n").into_bytes();
         if !front.is_empty() {

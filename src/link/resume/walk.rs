@@ -38,7 +38,7 @@ impl<'a> Program<'a> {
     /// From line 1.
     pub fn walk(&self) -> Walk<'a> {
         Walk {
-            lines: self.text.from_start().and_then(Source::new),
+            lines: self.text.open_text().and_then(Source::new),
             changes: self.changes,
             skips_slashed: self.skips_slashed,
             state: self.start.clone(),

@@ -106,7 +106,7 @@ fn behind_the_gap(text: &dyn ProgramText, begin: &Begin, last: usize) -> Result<
     let mut bytes = begin.bytes_per_s.max(0.0) * SYNC_GAP + 2.0 * begin.rx_bytes as f64;
     let mut end = last;
     let unread = |e: std::io::Error| Refusal::Unreadable(unreadable(last, e.kind()));
-    let mut lines = text.from_start().and_then(Source::new).map_err(unread)?;
+    let mut lines = text.open_text().and_then(Source::new).map_err(unread)?;
     while let Some((line, text)) = lines.read().map_err(unread)? {
         if line <= last {
             continue;
