@@ -129,7 +129,7 @@ impl Table {
     pub fn rest(&self) -> Point {
         let began = Instant::now();
         let mut quiet = Instant::now();
-        while quiet.elapsed() < Duration::from_millis(60) {
+        while quiet.elapsed() < Duration::from_millis(500) {
             if self.tcp.readout().moving {
                 quiet = Instant::now();
             }
