@@ -177,10 +177,15 @@ pub(super) fn check(state: &State, block: &Block, line: Line) -> Result<Plan, Fa
     }
     let speed = word(b'S').map_or(state.speed, Rpm);
     let f = word(b'F');
+    // LinuxCNC, Order of Execution: the feed is set before the units of its own line.
+    let feed_mm = match state.dialect {
+        Dialect::LinuxCnc => state.units.mm(),
+        _ => mm,
+    };
     let rapid_f = rules.rapid_feed_apart && motion == MotionMode::Rapid;
     let feed = match (feed_mode, f.filter(|_| !rapid_f)) {
         (FeedMode::InverseTime, Some(f)) => f,
-        (_, Some(f)) => f * mm,
+        (_, Some(f)) => f * feed_mm,
         (FeedMode::InverseTime, None) => 0.0,
         (mode, None) if mode == state.feed_mode => state.feed.0,
         (_, None) => 0.0,

@@ -247,11 +247,12 @@ impl Parameters {
         self.locals.push(locals);
     }
 
-    /// A subroutine call (RS274/NGC): #1 ff. are the arguments, the numbered rest up to #30 is the caller's; no names.
+    /// A subroutine call (RS274/NGC): #1 ff. are the arguments, the numbered rest up to #30 is 0 (seen on LinuxCNC's interpreter
+    /// itself, 2.10); no names.
     pub fn enter_subroutine(&mut self, arguments: &[f64]) {
         let mut locals = Locals::empty();
-        if let Some(caller) = self.locals.last() {
-            locals.numbers = caller.numbers;
+        for place in locals.numbers.iter_mut().skip(1).take(30) {
+            *place = Some(0.0);
         }
         for (place, value) in locals.numbers.iter_mut().skip(1).zip(arguments) {
             *place = Some(*value);

@@ -243,7 +243,8 @@ impl<R: BufRead + Seek> Interpreter<R> {
         at: usize,
     ) -> Result<(), Fault> {
         let frame = self.frame();
-        if frame.kind != Kind::Subroutine || *frame.label != *label {
+        // A return may carry the label of whatever stands around it; an end may not.
+        if frame.kind != Kind::Subroutine || (keyword != "return" && *frame.label != *label) {
             return Err(not_opened(at, label, keyword, "sub"));
         }
         let mut e = self.evaluator(text, behind);

@@ -1,5 +1,5 @@
 o<drill> sub
-(x, y, depth; #4 is the caller's)
+(x, y, depth; #4 was not handed over: 0)
 G0 X#1 Y#2
 Z#3
 Z#4
