@@ -2,11 +2,13 @@
 
 use super::line::encode;
 use super::record::{Record, Stamped};
+use crate::wire::State;
 use std::time::Duration;
 
 /// A record is in the operating system's hands at most this long after it was made, if [`Writer::due`] is heeded.
 pub const FLUSH_WITHIN: Duration = Duration::from_millis(100);
-/// Status reports kept: at most one in this time while the state stays the same.
+/// Status reports kept: at most one in this time while the state stays the same (and, at rest, the place: it is where a resume looks for
+/// the machine).
 const REPORT_EVERY: Duration = Duration::from_millis(500);
 
 /// Turns what happens into a journal. Of lines sent and answered between two flushes only the last ones are written, as ranges are told by
@@ -18,7 +20,7 @@ pub struct Writer {
     oldest: Option<Duration>,
     sent: Option<(Duration, usize)>,
     acknowledged: Option<(Duration, usize)>,
-    last_report: Option<(Duration, String)>,
+    last_report: Option<(Duration, String, [f64; 3])>,
     ended: bool,
 }
 
@@ -46,12 +48,19 @@ impl Writer {
                 self.acknowledged = Some((first, line));
                 self.oldest.get_or_insert(now);
             }
-            Record::Report { ref state, .. } => {
-                let same = self.last_report.as_ref().is_some_and(|(at, before)| {
-                    before == state && now.saturating_sub(*at) < REPORT_EVERY
-                });
+            Record::Report {
+                ref state, machine, ..
+            } => {
+                let same = self
+                    .last_report
+                    .as_ref()
+                    .is_some_and(|(at, before, place)| {
+                        before == state
+                            && now.saturating_sub(*at) < REPORT_EVERY
+                            && (machine == *place || !State::parse(state).at_rest())
+                    });
                 if !same {
-                    self.last_report = Some((now, state.clone()));
+                    self.last_report = Some((now, state.clone(), machine));
                     self.write(record, now);
                 }
             }
@@ -176,6 +185,18 @@ mod tests {
         }
         w.note(report("Idle"), ms(1990));
         assert_eq!(text(&mut w).lines().count(), 4 + 1);
+        // At rest, another place is news however soon.
+        for x in [0.0, 0.0, 1.0, 1.0] {
+            let machine = [x, 0.0, 0.0];
+            let (state, work_offset) = ("Idle".into(), None);
+            let place = Record::Report {
+                state,
+                machine,
+                work_offset,
+            };
+            w.note(place, ms(2000));
+        }
+        assert_eq!(text(&mut w).lines().count(), 1);
         let bad = [f64::NAN, 0.0, 0.0];
         w.note(
             Record::Report {

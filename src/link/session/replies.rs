@@ -91,7 +91,9 @@ impl Session {
         if status.state == State::Run && self.phase == Phase::Streaming {
             self.first_motion.get_or_insert(now);
         }
-        if matches!(self.phase, Phase::Streaming | Phase::Stopping { .. }) {
+        // The last look tells a journal where the machine stands, if that is still where the job left it.
+        let last = self.phase == Phase::LastLook && self.position_kept;
+        if last || matches!(self.phase, Phase::Streaming | Phase::Stopping { .. }) {
             let unit = if self.known.inches { 25.4 } else { 1.0 };
             let source = self
                 .stream

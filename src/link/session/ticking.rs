@@ -11,6 +11,10 @@ use std::time::Duration;
 const SILENCE: Duration = Duration::from_secs(4);
 /// The same once a stop is under way: then a blind reset is the lesser evil.
 const STOP_SILENCE: Duration = Duration::from_secs(2);
+/// It is told to stop, has not moved for this long, and still does not say that it is at rest.
+const STOP_STANDS: Duration = Duration::from_secs(10);
+/// No machine takes longer to stop: it does not obey.
+const STOP_ENOUGH: Duration = Duration::from_secs(120);
 /// GRBL is deaf for half a second after an alarm and may swallow a reset sent then.
 const ALARM_DEAF: Duration = Duration::from_millis(700);
 /// A question that was not answered for this long is asked again.
@@ -60,7 +64,9 @@ impl Session {
             }
             Phase::Stopping { .. } => {
                 let quiet = now.saturating_sub(self.last_heard.max(self.since));
-                if quiet > STOP_SILENCE + self.known.round_trip * 2 {
+                let stands = now.saturating_sub(self.moved.max(self.since)) > STOP_STANDS;
+                let enough = now.saturating_sub(self.since) > STOP_ENOUGH;
+                if quiet > STOP_SILENCE + self.known.round_trip * 2 || stands || enough {
                     self.note("no report that the machine is at rest: reset anyway, the position is not certain");
                     self.position_kept = false;
                     return self.reset(now);

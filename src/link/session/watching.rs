@@ -25,6 +25,8 @@ const OFF_REPORTS: u32 = 2;
 const OFFSET_REPORTS: u32 = 12;
 /// A place that differs by more, mm, is told.
 const MOVED: f64 = 0.02;
+/// Reports are rounded by this, mm (four decimals of an inch).
+const REPORTED: f64 = 0.0015;
 /// GRBL's `$12`, where the controller does not tell one that can be, mm.
 const ARC_TOLERANCE: f64 = 0.002;
 
@@ -272,10 +274,18 @@ impl Session {
             .work_offset
             .map(Vector::from)
             .filter(|_| why != Why::Place && self.watch.is_some());
+        let step = |i: usize| {
+            let steps = self.known.setting(100 + i as u16);
+            steps.filter(|s| *s > 0.0).map_or(0.0, f64::recip)
+        };
+        let steps: [f64; 3] = std::array::from_fn(step);
         if let Some(lines) = &mut self.lines {
             let left = lines.state().machine_position();
-            lines.stands_at(&place, work_zero);
             let by = (place - left).norm();
+            // A report tells whole steps. A machine that was not moved goes on from where its line really ended, to the last digit: the
+            // arc that begins there may be a whole turn, or none.
+            let moved = (0..3).any(|i| (place[i] - left[i]).abs() > 0.5 * steps[i] + REPORTED);
+            lines.stands_at(if moved { &place } else { &left }, work_zero);
             let active = 1u16
                 .checked_shl(lines.state().work_offset as u32)
                 .unwrap_or(0);
@@ -343,7 +353,7 @@ fn way(events: &[Event], stands: &Point, arc_tolerance: Mm) -> Vec<Point> {
             _ => None,
         })
     };
-    let Some(last) = motions().last() else {
+    let Some(last) = motions().next_back() else {
         return Vec::new();
     };
     let shift = stands - last.to;

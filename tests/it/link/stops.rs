@@ -1,6 +1,6 @@
 //! A stop in each state a job can be in: at rest, position kept, nothing runs afterwards.
 
-use super::bench::{Bench, at_rest_for_good, memory, spiral};
+use super::bench::{Bench, at_rest_for_good, memory, spiral, told};
 use morsemill::controller::{Build, Controller, Pins, Profile, Quirks};
 use morsemill::link::{Command, Ending};
 
@@ -258,4 +258,23 @@ fn a_second_stop_and_a_resume_behind_a_stop_change_nothing() {
     assert_eq!(outcome.ending, Ending::Stopped);
     assert!(bench.times("~").is_empty() && outcome.position_kept);
     at_rest_for_good(&mut bench, &outcome);
+}
+
+/// A machine that never says that it is at rest is reset all the same, and its position is not vouched for.
+#[test]
+fn a_stop_ends_whatever_the_machine_says() {
+    for (says, seconds) in [
+        (
+            "error:22\r\n<Hold:1|MPos:1.000,0.000,0.000|FS:872,0>\r\n",
+            20,
+        ),
+        ("error:22\r\n<Run|MPos:1.000,0.000,0.000|FS:872,0>\r\n", 20),
+        ("error:22\r\n<Dance|MPos:1.000,0.000,0.000>\r\n", 20),
+        ("error:22\r\n<Run>\r\n", 140),
+    ] {
+        let (session, news) = told(says, seconds);
+        let outcome = session.outcome().unwrap();
+        assert!(matches!(outcome.ending, Ending::Refused { .. }), "{says}");
+        assert!(!outcome.position_kept, "{says}: {news:?}");
+    }
 }

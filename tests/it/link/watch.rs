@@ -247,6 +247,24 @@ fn offsets_set_anew_at_a_tool_change_are_found_out_when_they_are_chosen() {
     assert_eq!([place.x, place.y, place.z], [13.0, 8.0, -2.0]);
 }
 
+/// A whole turn that begins and ends between two steps is one behind a tool change too.
+#[test]
+fn a_whole_turn_behind_a_tool_change_stays_one() {
+    let program = "G21 G90 G54 G94 G17\nM3 S1000\nG1 X5.0016 Y1.0013 F600\nT2 M6\nG2 X5.0016 Y1.0013 I2 J1 F900\nM30\n";
+    let mut bench = Bench::on(Controller::new(memory()), program, 5);
+    bench.until("change to tool 2");
+    bench.command(Command::Resume);
+    let outcome = bench.finish();
+    assert_eq!(
+        outcome.ending,
+        Ending::Done,
+        "{} {:?}",
+        outcome.ending,
+        bench.log
+    );
+    assert!(bench.controller.elapsed() > 1.0);
+}
+
 #[test]
 fn behind_a_tool_change_nothing_relies_on_an_arc() {
     let program = "G21 G90 G54 G94 G17\nG2 X5 I2.5 F600\nT2 M6\nX9 I2\nM30\n";
