@@ -65,16 +65,13 @@ pub fn shape(
 ) -> Shape {
     let from = start(open, dialect);
     let zero = from.assumed == [true; 3];
-    match pass(open, from, machine, radius, moves) {
-        Ok(shape) => shape,
-        Err(shape) if zero => shape,
-        Err(_) => {
-            // What does not read from unknown places reads from zero.
-            moves(Told::Afresh);
-            let (Ok(shape) | Err(shape)) = pass(open, Start::zero(dialect), machine, radius, moves);
-            shape
-        }
+    let (shape, sound) = pass(open, from, machine, radius, moves);
+    if sound || zero {
+        return shape;
     }
+    // What does not read from unknown places reads from zero.
+    moves(Told::Afresh);
+    pass(open, Start::zero(dialect), machine, radius, moves).0
 }
 
 /// What [`shape`] tells.
@@ -85,14 +82,14 @@ pub enum Told {
     Afresh,
 }
 
-/// `Err` when there was a mistake: what was seen before and behind it.
+/// What was seen, and whether all of it could be read: behind a mistake it goes on with the next line.
 fn pass(
     open: &Open,
     from: Start,
     machine: &Machine,
     radius: f64,
     moves: &mut dyn FnMut(Told),
-) -> Result<Shape, Shape> {
+) -> (Shape, bool) {
     let mut limits = LimitWatch::new(machine);
     let mut way = Way::new(radius);
     let mut seen = Seen::default();
@@ -117,7 +114,7 @@ fn pass(
         seen,
         start: from,
     };
-    if sound { Ok(shape) } else { Err(shape) }
+    (shape, sound)
 }
 
 impl Seen {

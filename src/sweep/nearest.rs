@@ -316,13 +316,17 @@ mod tests {
     fn no_paths_no_distance() {
         let p = Point::new(0.0, 0.0, 0.0);
         assert_eq!(
-            Paths::new(&[], 1.0, (corner(0.0), corner(1.0))).distance(&p, 5.0, &p.xy()),
+            Paths::new([] as [Segment; 0], 1.0, (corner(0.0), corner(1.0))).distance(
+                &p,
+                5.0,
+                &p.xy()
+            ),
             f64::INFINITY
         );
         let broken = Segment {
             from: p,
             to: Point::new(f64::NAN, 0.0, 0.0),
         };
-        assert!(Paths::new(&[broken], 1.0, (corner(0.0), corner(1.0))).is_empty());
+        assert!(Paths::new([broken], 1.0, (corner(0.0), corner(1.0))).is_empty());
     }
 }
