@@ -89,7 +89,8 @@ fn ten_times_the_program_takes_the_same_memory() {
     let machine = Machine::load("longmill-30x30").unwrap();
     let files = [10_000, 100_000].map(|lines| (lines, relief(dir.path(), lines)));
     let judged = DryRunOptions::new(0.02, Stock::Allowance(0.0));
-    let laws: [(&str, &dyn Fn(usize, &Path)); 3] = [
+    type Law<'a> = (&'a str, &'a dyn Fn(usize, &Path));
+    let laws: [Law; 3] = [
         ("dry run", &|lines, path| {
             let run = dry_run_of(&|| opened(path), Dialect::Grbl, &machine, None, &judged);
             assert!(run.passed(), "{:?}", run.problems);
