@@ -179,7 +179,7 @@ impl Sender {
 
     pub fn tick(&mut self) {
         self.ms += 1;
-        if self.ms % 200 == 0 && !self.controller.is_moving() {
+        if self.ms.is_multiple_of(200) && !self.controller.is_moving() {
             // The operator goes on behind an M0; in a dwell it does nothing.
             self.controller.feed(b"~");
         }
