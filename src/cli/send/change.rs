@@ -383,22 +383,6 @@ fn volatile(known: &Known) -> [i64; 4] {
     [g92[0], g92[1], g92[2], tlo].map(|v| (v * 1e3).round() as i64)
 }
 
-/// Reads `X,Y`.
-///
-/// # Errors
-/// Not two numbers.
-pub fn place_of(text: &str) -> Result<[f64; 2], String> {
-    let figures: Vec<f64> = text
-        .split(',')
-        .filter_map(|t| t.trim().parse().ok())
-        .filter(|v: &f64| v.abs() <= 20_000.0)
-        .collect();
-    match figures[..] {
-        [x, y] if text.split(',').count() == 2 => Ok([x, y]),
-        _ => Err("write two machine coordinates in mm with a comma, e.g. -10,-350".to_string()),
-    }
-}
-
 /// The lowest and highest Z that a program goes to, in work coordinates, mm.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Range(pub Option<[f64; 2]>);
@@ -411,19 +395,6 @@ impl Range {
         {
             let [low, high] = self.0.unwrap_or([m.to.z, m.to.z]);
             self.0 = Some([low.min(m.to.z), high.max(m.to.z)]);
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn places() {
-        assert_eq!(place_of("-10, -350.5"), Ok([-10.0, -350.5]));
-        for wrong in ["", "1", "1,2,3", "a,b", "1e9,0", "nan,1"] {
-            assert!(place_of(wrong).is_err(), "{wrong}");
         }
     }
 }

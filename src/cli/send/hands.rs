@@ -207,9 +207,7 @@ impl Hands<'_> {
                     done.result
                 }
                 Hand::Measure => {
-                    listener.note(
-                        "there is nothing to measure with: --tool-plate or --tool-setter names it",
-                    );
+                    listener.note("there is nothing to measure with: --tool-plate names it");
                     continue;
                 }
                 Hand::Yes | Hand::Halt | Hand::Other => continue,

@@ -70,18 +70,13 @@ pub struct SendArgs {
     /// On the screen, before the first line: jog, home and set zero by keys; `r` begins
     #[arg(long, conflicts_with_all = ["plain", "dry_run"])]
     pub setup: bool,
-    /// At a tool change (M6): probe a plate of this thickness that lies on work Z zero, right below the tool. Without it and without
-    /// --tool-setter the operator touches the new tool off by keys. The difference is shown, confirmed, and written to every work offset
-    #[arg(
-        long,
-        value_name = "MM",
-        allow_negative_numbers = true,
-        conflicts_with = "tool_setter"
-    )]
+    /// At a tool change (M6): probe a plate of this thickness that lies on work Z zero, right below the tool. Without it the
+    /// operator touches the new tool off by keys. The difference is shown, confirmed, and written to every work offset
+    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     pub tool_plate: Option<f64>,
     /// At a tool change (M6): measure the old tool and the new one on a fixed sensor at this place, machine coordinates in mm (homed
-    /// machine with soft limits)
-    #[arg(long, value_name = "X,Y", allow_hyphen_values = true, value_parser = change::place_of)]
+    /// machine with soft limits). No flag sets it: a whole change on a sensor has not been rehearsed.
+    #[arg(skip)]
     pub tool_setter: Option<[f64; 2]>,
     /// Where to begin, and the journal
     #[command(flatten)]

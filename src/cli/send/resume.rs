@@ -50,8 +50,8 @@ pub struct ResumeArgs {
     /// Your word that position, work zero and part are right, whatever the journal says
     #[arg(long)]
     pub trust_position: bool,
-    /// Do not ask before a resumed job begins: the part is clamped where it was, and the tool is the one of the plan; nor once a new
-    /// tool was measured on a sensor (--tool-setter). Prompts of the program (M0, M6) still wait, and so does a plate to be taken away
+    /// Do not ask before a resumed job begins: the part is clamped where it was, and the tool is the one of the plan. Prompts of
+    /// the program (M0, M6) still wait, and so does a plate to be taken away
     #[arg(long)]
     pub yes: bool,
 }
